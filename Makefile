@@ -1,0 +1,51 @@
+# make demo | test | test-all | check | bench | stk | clean
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+PIP_FLAGS ?=
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+# The demo also renders real game content; STK=0 leaves its 628 MB download out.
+STK ?= 1
+
+.PHONY: setup gl stk demo test test-all check bench clean
+
+setup: $(INSTALLED) gl
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python 3.11 or newer is needed: make PYTHON=/path/to/python3.11"; exit 1; }
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { echo "Python's venv module is missing: apt-get install python3-venv"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $(PIP_FLAGS) -c constraints.txt -e '.[dev]'
+	@touch $@
+
+gl:
+	@$(PYTHON) scripts/system_packages.py libegl1 libgl1-mesa-dri
+
+stk:
+	@$(PYTHON) scripts/system_packages.py supertuxkart-data
+
+demo: setup
+	@if [ "$(STK)" = 1 ]; then $(MAKE) --no-print-directory stk || echo "Going on with the built-in scenes alone."; fi
+	$(BIN)/python train.py -m model=dlctus loss.theta=0.1,0.5
+	$(BIN)/python report.py
+	@echo
+	@echo "Compare the runs:  $(BIN)/mlflow ui --backend-store-uri sqlite:///mlflow.db"
+	@echo "Read the report:   reports/out/dlctus.pdf"
+
+test: setup check
+	$(BIN)/python -m pytest -n 2
+
+test-all: setup check
+	$(BIN)/python -m pytest -m '' -n 2
+
+check: $(INSTALLED)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: setup
+	$(BIN)/python benchmarks/loop.py
+	$(BIN)/python benchmarks/render.py
+
+clean:
+	rm -rf $(VENV) .pytest_cache .ruff_cache .mypy_cache

@@ -1,0 +1,3 @@
+"""Train, ablate, compare and trust neural supersampling methods."""
+
+__version__ = "0.1.0"

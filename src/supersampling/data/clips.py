@@ -1,0 +1,119 @@
+"""What training and evaluation read: random windows of random clips, and whole clips in order."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.utils.data import Dataset, Sampler
+
+from supersampling.data.store import Store, spec_of
+from supersampling.errors import UserError
+from supersampling.frames import BUFFERS
+
+
+@dataclass(frozen=True)
+class Cut:
+    """The shape of a training sample: ``crop`` target pixels square, ``frames`` long, targets of the last ``targets`` frames."""
+
+    crop: int
+    frames: int
+    targets: int
+
+
+class WindowDataset(Dataset[dict[str, Tensor]]):
+    """Random windows of random sub-sequences; item ``k`` depends on ``seed`` and ``k`` alone, so that any run can resume.
+
+    Items hold the ``requires`` buffers as ``(T, C, h, w)`` and ``target`` as ``(cut.targets, 3, H, W)``.
+
+    Raises:
+        UserError: the clips are smaller or shorter than the cut.
+    """
+
+    def __init__(self, paths: Sequence[Path], cut: Cut, requires: frozenset[str], seed: int) -> None:
+        self._paths = [Path(p) for p in paths]
+        self._stores: list[Store] | None = None  # opened in the process that reads
+        self._cut = cut
+        self._requires = requires
+        self._seed = seed
+        specs = [spec_of(path) for path in self._paths]
+        self._clips = [(k, c) for k, spec in enumerate(specs) for c in range(spec.clips)]
+        for path, spec in zip(self._paths, specs):
+            if min(spec.target_size) < cut.crop or spec.frames < cut.frames:
+                size = "x".join(map(str, spec.target_size))
+                raise UserError(
+                    f"{path} holds {spec.frames} frames of {size} pixels, too little for budget.frames={cut.frames} and "
+                    f"budget.crop={cut.crop}: lower these, or render longer clips or larger windows."
+                )
+
+    def __getitem__(self, index: int) -> dict[str, Tensor]:
+        if self._stores is None:
+            self._stores = [Store(path) for path in self._paths]
+        rng = np.random.default_rng((self._seed, index))
+        which, clip = self._clips[rng.integers(len(self._clips))]
+        store = self._stores[which]
+        spec, cut = store.spec, self._cut
+        start = int(rng.integers(spec.frames - cut.frames + 1))
+        width, height = (n // spec.scale for n in spec.target_size)
+        side = cut.crop // spec.scale
+        x, y = int(rng.integers(width - side + 1)), int(rng.integers(height - side + 1))
+        low, high = (x, y, side, side), tuple(n * spec.scale for n in (x, y, side, side))
+        stop = start + cut.frames
+        item = {}
+        for name in sorted(self._requires | {"target"}):
+            is_target = BUFFERS[name].resolution == "high"
+            frames = slice(stop - cut.targets, stop) if is_target else slice(start, stop)
+            item[name] = torch.from_numpy(store.read(name, clip, frames, high if is_target else low))  # type: ignore[arg-type]
+        return item
+
+
+class FreshIndices(Sampler[int]):
+    """Indices that no epoch repeats: ``epoch * size ... (epoch + 1) * size - 1``. Lightning calls `set_epoch`."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._epoch = 0
+
+    def set_epoch(self, epoch: int) -> None:
+        self._epoch = epoch
+
+    def __len__(self) -> int:
+        return self._size
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(range(self._epoch * self._size, (self._epoch + 1) * self._size))
+
+
+@dataclass(frozen=True)
+class ClipName:
+    """Which clip it is, for tables."""
+
+    scene: str
+    clip: int
+
+
+class WholeClips(Dataset[dict[str, Tensor]]):
+    """Every clip of the files, whole and in order: the ``requires`` buffers and ``target``, ``(T, ...)`` each."""
+
+    def __init__(self, paths: Sequence[Path], requires: frozenset[str]) -> None:
+        self._stores = [Store(path) for path in paths]
+        self._requires = requires
+        self._clips = [(store, c) for store in self._stores for c in range(store.clips)]
+
+    def __len__(self) -> int:
+        return len(self._clips)
+
+    def name(self, index: int) -> ClipName:
+        store, clip = self._clips[index]
+        return ClipName(store.spec.scene, clip)
+
+    def __getitem__(self, index: int) -> dict[str, Tensor]:
+        store, clip = self._clips[index]
+        names = sorted(self._requires | {"target"})
+        return {name: torch.from_numpy(store.read(name, clip, slice(None))) for name in names}
+
+    def __iter__(self) -> Iterator[tuple[ClipName, dict[str, Tensor]]]:
+        for index in range(len(self)):
+            yield self.name(index), self[index]

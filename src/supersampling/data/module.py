@@ -1,0 +1,81 @@
+"""Where clips come from (rendered on demand, or the user's own files) and the loaders over them."""
+
+import hashlib
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from pathlib import Path
+
+import lightning as L
+from torch import Tensor
+from torch.utils.data import DataLoader
+
+from supersampling.data.clips import Cut, FreshIndices, WholeClips, WindowDataset
+from supersampling.data.store import Store, spec_of
+from supersampling.errors import UserError
+
+
+class Source(ABC):
+    """Gives the data set files of each split."""
+
+    @abstractmethod
+    def files(self, split: str) -> list[Path]: ...
+
+
+class Files(Source):
+    """Files that the user names; their scale has to be the task's.
+
+    Raises:
+        UserError: no file for a split, or one of another scale.
+    """
+
+    def __init__(self, scale: int, train: Sequence[str], val: Sequence[str], test: Sequence[str]) -> None:
+        self._scale = scale
+        self._paths = {"train": list(train), "val": list(val), "test": list(test)}
+
+    def files(self, split: str) -> list[Path]:
+        paths = [Path(p) for p in self._paths[split]]
+        if not paths:
+            raise UserError(f"data=files needs data.{split}=[FILE.h5, ...]: no {split} file was named.")
+        for path in paths:
+            scale = spec_of(path).scale
+            if scale != self._scale:
+                raise UserError(
+                    f"{path} was rendered for scale {scale}, but task.scale={self._scale}: set task.scale={scale} or "
+                    "name another file."
+                )
+        return paths
+
+
+def fingerprint(paths: Sequence[Path]) -> str:
+    """One fingerprint of several files, independent of their order and place."""
+    parts = []
+    for path in paths:
+        store = Store(path)
+        parts.append(store.fingerprint)
+        store.close()
+    return hashlib.sha256("".join(sorted(parts)).encode()).hexdigest()[:16]
+
+
+class Loaders(L.LightningDataModule):
+    """Training windows and whole validation clips. ``batch`` and ``steps`` an epoch; ``workers`` cannot change a result."""
+
+    def __init__(
+        self, train: Sequence[Path], val: Sequence[Path], cut: Cut, requires: frozenset[str], *, batch: int, steps: int,
+        workers: int, seed: int,
+    ) -> None:  # fmt: skip
+        super().__init__()
+        self._train = WindowDataset(train, cut, requires, seed)
+        self._val = WholeClips(val, requires)
+        self._batch, self._steps, self._workers = batch, steps, workers
+
+    def train_dataloader(self) -> DataLoader[dict[str, Tensor]]:
+        return DataLoader(
+            self._train,
+            batch_size=self._batch,
+            sampler=FreshIndices(self._batch * self._steps),
+            num_workers=self._workers,
+            persistent_workers=self._workers > 0,
+        )
+
+    def val_dataloader(self) -> DataLoader[dict[str, Tensor]]:
+        return DataLoader(self._val, batch_size=1, num_workers=0)

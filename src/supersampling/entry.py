@@ -1,0 +1,50 @@
+"""How an entry point runs its task: the user's mistakes become one sentence, ours keep their stack trace."""
+
+import logging
+import os
+import sys
+import warnings
+from collections.abc import Callable
+
+from omegaconf import DictConfig
+
+from supersampling.errors import UserError
+
+USER_ERROR_STATUS = 2
+
+
+def find_user_error(error: BaseException | None) -> UserError | None:
+    """The first `UserError` along an exception's chain of causes (Hydra wraps what a constructor raises)."""
+    seen: set[int] = set()
+    while error is not None and id(error) not in seen:
+        if isinstance(error, UserError):
+            return error
+        seen.add(id(error))
+        error = error.__cause__ or error.__context__
+    return None
+
+
+def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
+    """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2."""
+    _quiet()
+    try:
+        task(cfg)
+    except KeyboardInterrupt:
+        sys.stderr.write("\nInterrupted: the same command goes on from here.\n")
+        sys.exit(130)
+    except Exception as error:
+        user_error = find_user_error(error)
+        if user_error is None:
+            raise
+        sys.stderr.write(f"error: {user_error}\n")
+        sys.exit(USER_ERROR_STATUS)
+
+
+def _quiet() -> None:
+    """Silence what libraries say about themselves; warnings about the user's data stay."""
+    os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
+    os.environ.setdefault("GIT_PYTHON_REFRESH", "quiet")
+    warnings.filterwarnings("ignore", category=UserWarning, module=r"lightning\..*")
+    warnings.filterwarnings("ignore", category=FutureWarning)
+    for name in ("lightning.pytorch", "mlflow", "alembic"):
+        logging.getLogger(name).setLevel(logging.ERROR)

@@ -1,0 +1,44 @@
+"""What ``render.py`` does."""
+
+from pathlib import Path
+
+import numpy as np
+from hydra.utils import instantiate
+from omegaconf import DictConfig
+from PIL import Image
+
+from supersampling.data.module import Source
+from supersampling.data.spec import SPLITS
+from supersampling.data.store import Store
+from supersampling.errors import UserError
+
+
+def render(cfg: DictConfig) -> None:
+    """Render what is missing of ``cfg.splits`` and print each file; with ``cfg.pictures`` a picture of each scene too.
+
+    Raises:
+        UserError: an unknown split, scene or setting.
+    """
+    unknown = [split for split in cfg.splits if split not in SPLITS]
+    if unknown:
+        raise UserError(f"splits={unknown} is not possible: use some of [{', '.join(SPLITS)}].")
+    source: Source = instantiate(cfg.data)
+    for split in cfg.splits:
+        for path in source.files(split):
+            print(path)
+            if cfg.pictures and split == cfg.splits[-1]:
+                print(save_picture(path))
+
+
+def save_picture(path: Path) -> Path:
+    """A PNG beside a data set file: the first clip's last input, enlarged, and its target, side by side."""
+    store = Store(path)
+    color, target = (
+        store.read(name, 0, slice(-1, None))[0].transpose(1, 2, 0) for name in ("color", "target")
+    )
+    store.close()
+    scale = target.shape[0] // color.shape[0]
+    pair = np.concatenate((np.kron(color, np.ones((scale, scale, 1), dtype=np.float32)), target), axis=1)
+    picture = path.with_suffix(".png")
+    Image.fromarray(np.round(pair * 255.0).astype(np.uint8)).save(picture)
+    return picture

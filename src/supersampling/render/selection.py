@@ -1,0 +1,82 @@
+"""Which part of which moment a clip shows: chosen by content, so that clips hold detail, motion and disocclusion."""
+
+from dataclasses import dataclass
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supersampling.data.spec import CaptureSpec
+from supersampling.render.camera import Shot, Window
+from supersampling.render.paths import CameraPath, camera_path, routes_of
+from supersampling.render.renderer import Renderer
+from supersampling.render.scene import Scene
+
+_ALL = frozenset({"color", "depth", "motion"})
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """A clip before it is rendered: the camera's path, the window, and where in the jitter sequence it starts."""
+
+    path: CameraPath
+    window: Window
+    jitter_phase: int
+
+    def shot(self, frame: int) -> Shot:
+        previous = max(frame - 1, 0)
+        path = self.path
+        return Shot(
+            path.cameras[frame],
+            path.cameras[previous],
+            path.seconds[frame],
+            path.seconds[previous],
+            self.window,
+        )
+
+
+def propose(scene: Scene, spec: CaptureSpec, rng: np.random.Generator) -> Take:
+    """A random take on one of the split's routes, its window anywhere in the frame but its outermost rows."""
+    routes = routes_of(scene, spec.split)
+    path = camera_path(routes[rng.integers(len(routes))], rng, spec.frames)
+    width, height = spec.target_size
+    x = int(rng.integers(0, spec.frame[0] - width + 1))
+    y = int(rng.integers(0, spec.frame[1] - height + 1))
+    return Take(path, Window(spec.frame[0], spec.frame[1], x, y, width, height), int(rng.integers(1 << 16)))
+
+
+def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
+    """How much a low-resolution frame has to show: fine detail, weighted up by motion edges (disocclusions).
+
+    Detail is the mean absolute difference of neighbouring pixels; motion edges are the share of pixels whose motion
+    differs from a neighbour's by over half a target pixel.
+    """
+    grey = low["color"].mean(axis=2)
+    detail = float(np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean())
+    height, width = grey.shape
+    pixels = low["motion"] * np.array((width, height), dtype=np.float32) * scale
+    edges_x = np.linalg.norm(np.diff(pixels, axis=1), axis=2) > 0.5
+    edges_y = np.linalg.norm(np.diff(pixels, axis=0), axis=2) > 0.5
+    edges = float(edges_x.mean() + edges_y.mean()) / 2.0
+    moving = float((np.linalg.norm(pixels, axis=2) > 0.25).mean())
+    return min(detail, 0.25) * (0.3 + 0.4 * min(moving, 1.0) + 4.0 * min(edges, 0.2))
+
+
+def choose(renderer: Renderer, scene: Scene, spec: CaptureSpec, clip: int) -> Take:
+    """The most interesting of ``spec.candidates`` seeded proposals; the same for every sample count."""
+    rng = np.random.default_rng((spec.seed, crc32(f"{spec.scene}/{spec.split}".encode()), clip))
+    takes = [propose(scene, spec, rng) for _ in range(max(spec.candidates, 1))]
+    if len(takes) == 1:
+        return takes[0]
+    scores = []
+    for take in takes:
+        # Judged at a quarter of the window's resolution, at a moment when every pace is still in motion or already is.
+        width, height = take.window.width // 4 * 4, take.window.height // 4 * 4
+        window = Window(*spec.frame, take.window.x, take.window.y, width, height)
+        looks = []
+        for moment in (spec.frames // 4, 3 * spec.frames // 4):
+            shot = take.shot(max(moment, 1))
+            shot = Shot(shot.camera, shot.previous_camera, shot.seconds, shot.previous_seconds, window)
+            looks.append(interest(renderer.low(shot, 4, (0.0, 0.0), -2.0, _ALL), 4))
+        scores.append(float(np.mean(looks)))
+    return takes[int(np.argmax(scores))]

@@ -1,0 +1,62 @@
+"""Data sets that are rendered when they are asked for, and only what is missing of them."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from supersampling.data.module import Source
+from supersampling.data.spec import CaptureSpec
+from supersampling.errors import UserError
+
+
+def installed_scenes() -> list[str]:
+    """The default scenes: the built-in ones, and two SuperTuxKart tracks where their data are installed."""
+    from supersampling.render.stk import find_data
+
+    tracks = ["stk/zengarden", "stk/ravenbridge_mansion"] if find_data() else []
+    return ["atrium", "foundry", *tracks]
+
+
+class Rendered(Source):
+    """One file a scene and split, in ``folder``.
+
+    ``train``, ``val`` and ``test`` hold ``clips``, ``frames``, ``window`` (``[width, height]`` or null for whole frames),
+    ``samples`` (a side of the target's grid) and ``candidates`` (takes to choose each clip from).
+    """
+
+    def __init__(
+        self, scenes: str | Sequence[str], folder: str, *, frame: Sequence[int], seed: int, scale: int, jitter: str,
+        mip_bias: str, train: Mapping[str, Any], val: Mapping[str, Any], test: Mapping[str, Any],
+    ) -> None:  # fmt: skip
+        self._scenes = [scenes] if isinstance(scenes, str) else list(scenes)
+        if not self._scenes:
+            raise UserError(
+                "scene=[] names no scene: use for example scene=[atrium,foundry] or scene=stk/zengarden."
+            )
+        self._folder = Path(folder)
+        self._frame = (int(frame[0]), int(frame[1]))
+        self._shared = {"scale": scale, "jitter": jitter, "mip_bias": mip_bias, "seed": seed}
+        self._splits = {"train": dict(train), "val": dict(val), "test": dict(test)}
+
+    def specs(self, split: str) -> list[CaptureSpec]:
+        options = dict(self._splits[split])
+        window = options.pop("window") or self._frame
+        return [
+            CaptureSpec(
+                scene=scene,
+                split=split,
+                frame=self._frame,
+                window=(int(window[0]), int(window[1])),
+                **options,
+                **self._shared,
+            )
+            for scene in self._scenes
+        ]
+
+    def files(self, split: str) -> list[Path]:
+        from supersampling.render.capture import check_spec, render_file
+
+        specs = self.specs(split)
+        for spec in specs:
+            check_spec(spec)
+        return [render_file(spec, self._folder) for spec in specs]

@@ -1,0 +1,25 @@
+"""The few functions that configuration files call."""
+
+import math
+import os
+
+from omegaconf import OmegaConf
+
+
+def _installed_scenes() -> list[str]:
+    from supersampling.render.source import installed_scenes
+
+    return installed_scenes()
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def register() -> None:
+    """Make ``${installed_scenes:}``, ``${cores:}`` and ``${product:a,b}`` known to OmegaConf."""
+    OmegaConf.register_new_resolver("installed_scenes", _installed_scenes, use_cache=True, replace=True)
+    OmegaConf.register_new_resolver("cores", _cores, replace=True)
+    OmegaConf.register_new_resolver(
+        "product", lambda *values: math.prod(int(v) for v in values), replace=True
+    )

@@ -1,0 +1,43 @@
+"""The configuration's numbers, checked once at the boundary."""
+
+from omegaconf import DictConfig, OmegaConf
+
+from supersampling.errors import UserError
+
+# key: (type, lowest, highest)
+_NUMBERS: dict[str, tuple[type, float, float]] = {
+    "seed": (int, 0, 2**32 - 1),
+    "threads": (int, 1, 4096),
+    "workers": (int, 0, 256),
+    "task.scale": (int, 2, 6),
+    "budget.epochs": (int, 1, 1e6),
+    "budget.steps": (int, 1, 1e9),
+    "budget.batch": (int, 1, 1e6),
+    "budget.crop": (int, 8, 1e5),
+    "budget.frames": (int, 1, 1e6),
+    "budget.counted": (int, 1, 1e6),
+    "loss.theta": (float, 0.0, 1.0),
+    "optimizer.lr": (float, 0.0, 1e3),
+}
+
+
+def check_numbers(cfg: DictConfig) -> None:
+    """Refuse a number that is of another type or out of its range.
+
+    Raises:
+        UserError: names the key, the value and the range.
+    """
+    for key, (kind, low, high) in _NUMBERS.items():
+        value = OmegaConf.select(cfg, key)
+        if value is None:
+            continue
+        allowed = (int,) if kind is int else (int, float)
+        if isinstance(value, bool) or not isinstance(value, allowed) or not low <= value <= high:
+            word = "an integer" if kind is int else "a number"
+            raise UserError(f"{key}={value} is not possible: use {word} from {low:g} to {high:g}.")
+    counted, frames = OmegaConf.select(cfg, "budget.counted"), OmegaConf.select(cfg, "budget.frames")
+    if counted is not None and counted >= frames:
+        raise UserError(
+            f"budget.counted={counted} needs more than budget.frames={frames} frames: count fewer, or unroll "
+            "more."
+        )

@@ -1,0 +1,51 @@
+"""Crops of one frame a scene: the raw input, the method's output and the target, at a place that the data alone decide."""
+
+from pathlib import Path
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from PIL import Image
+from torch import Tensor
+
+from supersampling.training.evaluation import ScoredFrame
+
+SIZE = 96
+
+
+def detailed_corner(target: Tensor, size: int) -> tuple[int, int]:
+    """Top-left ``(y, x)`` of the ``size`` square with the most fine detail of a ``(1, 3, H, W)`` target."""
+    grey = target.mean(dim=1, keepdim=True)
+    fine = (grey - F.avg_pool2d(grey, 5, stride=1, padding=2, count_include_pad=False)).abs()
+    sums = F.avg_pool2d(fine, size, stride=4)
+    best = int(sums.flatten().argmax())
+    return best // sums.shape[-1] * 4, best % sums.shape[-1] * 4
+
+
+def _image(values: Tensor) -> Image.Image:
+    array = (values[0].clamp(0, 1) * 255.0).round().to(torch.uint8).permute(1, 2, 0).cpu().numpy()
+    return Image.fromarray(np.ascontiguousarray(array))
+
+
+def save_crops(frame: ScoredFrame, folder: Path, index: int) -> None:
+    """Write ``<index>_<scene>{,_input,_target}.png`` of one scored frame."""
+    size = min(SIZE, *frame.target.shape[-2:])
+    y, x = detailed_corner(frame.target, size)
+    scale = frame.target.shape[-1] // frame.color.shape[-1]
+    raw = frame.color.repeat_interleave(scale, dim=2).repeat_interleave(scale, dim=3)
+    stem = f"{index}_{frame.name.scene.replace('/', '_')}"
+    for suffix, picture in (("", frame.output), ("_input", raw), ("_target", frame.target)):
+        _image(picture[..., y : y + size, x : x + size]).save(folder / f"{stem}{suffix}.png")
+
+
+def strip(folder: Path) -> Image.Image:
+    """One picture of all crops in ``folder``: a row a scene, input, output and target side by side."""
+    outputs = sorted(p for p in folder.glob("*.png") if not p.stem.endswith(("_input", "_target")))
+    rows = []
+    for path in outputs:
+        trio = [path.with_name(f"{path.stem}_input.png"), path, path.with_name(f"{path.stem}_target.png")]
+        cells = [
+            np.asarray(Image.open(p).resize((3 * SIZE, 3 * SIZE), Image.Resampling.NEAREST)) for p in trio
+        ]
+        rows.append(np.concatenate(cells, axis=1))
+    return Image.fromarray(np.concatenate(rows, axis=0))

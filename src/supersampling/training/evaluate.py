@@ -1,0 +1,79 @@
+"""What ``evaluate.py`` does."""
+
+from pathlib import Path
+
+import torch
+from hydra.core.hydra_config import HydraConfig
+from hydra.utils import instantiate
+from mlflow.exceptions import MlflowException
+from omegaconf import DictConfig, OmegaConf
+
+from supersampling.data.module import Source, fingerprint
+from supersampling.errors import UserError
+from supersampling.models.base import Upsampler
+from supersampling.training.evaluation import METRICS
+from supersampling.training.fit import load_weights
+from supersampling.training.identity import flat_parameters
+from supersampling.training.job import evaluate, experiment_of, log_result, method_name
+from supersampling.training.tracking import Experiment
+
+
+def evaluate_command(cfg: DictConfig) -> None:
+    """Score the configured method, print a table by scene, and log it as a run of kind ``evaluation``.
+
+    Raises:
+        UserError: no such run or checkpoint, or one of another scale or model.
+    """
+    if cfg.checkpoint and cfg.run:
+        raise UserError(f"checkpoint={cfg.checkpoint} and run={cfg.run} exclude each other: give one.")
+    torch.set_num_threads(cfg.threads)
+    experiment = experiment_of(cfg)
+    choices = dict(HydraConfig.get().runtime.choices)
+    if cfg.run:
+        model, method, params = _from_run(experiment, cfg)
+    else:
+        model, method, params = _from_config(cfg), method_name(choices), flat_parameters(cfg, choices, False)
+    source: Source = instantiate(cfg.data)
+    files = source.files("test")
+    result = evaluate(model, files)
+    print(result.clips.groupby("scene", sort=False)[list(METRICS)].mean().round(4).to_string())
+    print(
+        f"mean over {len(result.clips)} clips: {result.clips['psnr'].mean():.2f} dB, SSIM {result.clips['ssim'].mean():.4f}"
+    )
+    tags = {"ss.kind": "evaluation", "ss.dataset": fingerprint(files), "ss.method": method}
+    run_id = experiment.start(f"evaluate {method}", tags, None)
+    experiment.log_params(run_id, params)
+    log_result(experiment, run_id, result, {})
+    experiment.finish(run_id)
+
+
+def _from_config(cfg: DictConfig) -> Upsampler:
+    model: Upsampler = instantiate(cfg.model)
+    if cfg.checkpoint:
+        load_weights(model, Path(cfg.checkpoint))
+    elif any(p.requires_grad for p in model.parameters()):
+        raise UserError("This method is learned: give its weights with checkpoint=FILE or run=RUN_ID.")
+    return model
+
+
+def _from_run(experiment: Experiment, cfg: DictConfig) -> tuple[Upsampler, str, dict[str, str]]:
+    """Model, method name and parameters of a finished run, with its weights or its tuned constants."""
+    try:
+        run = experiment.client.get_run(cfg.run)
+        trained = OmegaConf.load(experiment.artifact(cfg.run, "config.yaml"))
+    except (MlflowException, OSError) as error:
+        raise UserError(
+            f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow "
+            "UI."
+        ) from error
+    assert isinstance(trained, DictConfig)
+    if trained.task.scale != cfg.task.scale:
+        raise UserError(
+            f"Run {cfg.run} was trained for scale {trained.task.scale}, but task.scale={cfg.task.scale}: set "
+            f"task.scale={trained.task.scale}."
+        )
+    tuned = {k.removeprefix("tuned."): float(v) for k, v in run.data.params.items() if k.startswith("tuned.")}
+    model: Upsampler = instantiate(trained.model, **tuned)
+    if any(p.requires_grad for p in model.parameters()):
+        load_weights(model, experiment.artifact(cfg.run, "checkpoint/last.ckpt"))
+    return model, run.data.tags.get("ss.method", ""), dict(run.data.params)

@@ -1,0 +1,112 @@
+"""Fitting: gradient descent for a learned method, a grid on the training clips for a classical one."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import lightning as L
+import torch
+from hydra.utils import instantiate
+from lightning.pytorch.callbacks import ModelCheckpoint, Timer
+from lightning.pytorch.loggers import MLFlowLogger
+from omegaconf import DictConfig, OmegaConf
+
+from supersampling.data.clips import Cut, WholeClips
+from supersampling.data.module import Loaders
+from supersampling.losses import Loss
+from supersampling.models.base import Upsampler
+from supersampling.training.module import Training
+from supersampling.training.tune import tune
+
+if TYPE_CHECKING:
+    from supersampling.training.tracking import Experiment
+
+
+def fit(
+    cfg: DictConfig, files: Mapping[str, list[Path]], folder: Path, experiment: "Experiment", run_id: str
+) -> Upsampler:
+    """Train the configured model, from ``folder/last.ckpt`` if there is one; logs ``train/minutes`` and the checkpoint.
+
+    The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters; the samples depend on
+    their index alone: so an interrupted run reaches the weights of an uninterrupted one.
+    """
+    L.seed_everything(cfg.seed, workers=True, verbose=False)
+    model: Upsampler = instantiate(cfg.model)
+    loss: Loss = instantiate(cfg.loss)
+    module = Training(
+        model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted
+    )
+    timer = Timer()
+    logger = MLFlowLogger(tracking_uri=experiment.tracking_uri, run_id=run_id)
+    last = folder / "last.ckpt"
+    trainer = L.Trainer(
+        **OmegaConf.to_container(cfg.trainer, resolve=True),  # type: ignore[arg-type]
+        max_epochs=cfg.budget.epochs,
+        check_val_every_n_epoch=cfg.budget.validate_every,
+        logger=logger,
+        log_every_n_steps=cfg.budget.steps,
+        num_sanity_val_steps=0,
+        enable_model_summary=False,
+        callbacks=[timer, ModelCheckpoint(folder, save_last=True, save_top_k=0, every_n_epochs=1)],
+    )
+    loaders = make_loaders(cfg, files, model, loss)
+    trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
+    if trainer.interrupted:
+        raise KeyboardInterrupt
+    experiment.restart(run_id, None)  # Lightning's logger has ended the run, which is still to be scored
+    experiment.log_metrics(run_id, {"train/minutes": timer.time_elapsed("train") / 60.0})
+    experiment.client.log_artifact(run_id, str(last), "checkpoint")
+    return model
+
+
+def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsampler, loss: Loss) -> Loaders:
+    """The loaders that a configuration asks for, with the buffers that its model and loss read."""
+    cut = Cut(cfg.budget.crop, cfg.budget.frames, cfg.budget.counted + loss.previous)
+    requires = (model.requires | loss.requires | {"color"}) - {"target"}
+    return Loaders(
+        files["train"],
+        files["val"],
+        cut,
+        requires,
+        batch=cfg.budget.batch,
+        steps=cfg.budget.steps,
+        workers=cfg.workers,
+        seed=cfg.seed,
+    )
+
+
+def choose_constants(cfg: DictConfig, train_files: list[Path]) -> tuple[Upsampler, dict[str, float]]:
+    """A classical method with the constants of ``cfg.tune.grid`` that do best on the training clips."""
+    grid = OmegaConf.select(cfg, "tune.grid") or {}
+
+    def make(constants: Mapping[str, float]) -> Upsampler:
+        return instantiate(cfg.model, **constants)
+
+    if not grid:
+        return make({}), {}
+    clips = WholeClips(train_files, make({}).requires)
+    best, _ = tune(make, OmegaConf.to_container(grid), clips)  # type: ignore[arg-type]
+    return make(best), best
+
+
+def load_weights(model: Upsampler, checkpoint: Path) -> None:
+    """Load the weights of a training checkpoint into ``model`` (safe loading; no code is run).
+
+    Raises:
+        UserError: the file is missing, is no checkpoint, or holds another model.
+    """
+    from supersampling.errors import UserError
+
+    try:
+        content = torch.load(checkpoint, map_location="cpu", weights_only=True)
+        prefix = "model."
+        state = {k.removeprefix(prefix): v for k, v in content["state_dict"].items() if k.startswith(prefix)}
+        model.load_state_dict(state)
+    except FileNotFoundError as error:
+        raise UserError(f"There is no checkpoint {checkpoint}: correct the path.") from error
+    except Exception as error:
+        reason = str(error).splitlines()[0]
+        raise UserError(
+            f"{checkpoint} does not hold weights of the configured model ({reason}): set model=... as it was "
+            "trained."
+        ) from error

@@ -1,0 +1,191 @@
+"""One job of ``train.py``: render what is missing, find or begin its run, fit, score, log."""
+
+import os
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import torch
+from filelock import FileLock, Timeout
+from hydra import compose
+from hydra.core.hydra_config import HydraConfig
+from hydra.utils import instantiate
+from omegaconf import DictConfig, OmegaConf, open_dict
+
+from supersampling.data.module import Source, fingerprint
+from supersampling.data.spec import SPLITS
+from supersampling.errors import UserError
+from supersampling.models.base import Upsampler
+from supersampling.training.check import check_numbers
+from supersampling.training.crops import save_crops, strip
+from supersampling.training.evaluation import by_clip, score, summary, whole_clips
+from supersampling.training.fit import choose_constants, fit
+from supersampling.training.identity import flat_parameters, identity
+from supersampling.training.tracking import PARENT_VARIABLE, Experiment, open_experiment
+
+Files = Mapping[str, list[Path]]
+
+
+def experiment_of(cfg: DictConfig) -> Experiment:
+    """The MLflow experiment that a configuration names."""
+    return open_experiment(cfg.logger.tracking_uri, cfg.logger.experiment, Path(cfg.paths.artifacts))
+
+
+def train(cfg: DictConfig) -> None:
+    """What ``train.py`` does: the classical baselines that this data set still lacks, then the configured job."""
+    check_numbers(cfg)
+    torch.set_num_threads(cfg.threads)
+    experiment = experiment_of(cfg)
+    source: Source = instantiate(cfg.data)
+    files = {split: source.files(split) for split in SPLITS}
+    hydra = HydraConfig.get()
+    kept = [
+        o for o in hydra.overrides.task if not o.lstrip("+~").startswith(("model", "loss", "sweeps", "tune"))
+    ]
+    for baseline in cfg.baselines:
+        composed = compose(hydra.job.config_name, [*kept, *baseline], return_hydra_config=True)
+        choices = dict(composed.hydra.runtime.choices)
+        with open_dict(composed):
+            del composed["hydra"]
+        Job(composed, choices, files, experiment).run()
+    Job(cfg, dict(hydra.runtime.choices), files, experiment).run()
+
+
+@dataclass(frozen=True)
+class Job:
+    """A configured method on a data set, with the run that holds its result."""
+
+    cfg: DictConfig
+    choices: Mapping[str, str]
+    files: Files
+    experiment: Experiment
+
+    def run(self) -> None:
+        """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint."""
+        model: Upsampler = instantiate(self.cfg.model)
+        learned = any(p.requires_grad for p in model.parameters())
+        key = identity(self.cfg, {s: fingerprint(f) for s, f in self.files.items()}, learned)
+        folder = Path(self.cfg.paths.checkpoints) / key
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            with FileLock(folder / "lock", timeout=0):
+                self._run_once(key, folder, learned)
+        except Timeout as error:
+            raise UserError(
+                f"Another process is busy with this very job ({key}): wait for it, or change the seed."
+            ) from error
+
+    def _run_once(self, key: str, folder: Path, learned: bool) -> None:
+        name = self._name(learned)
+        found = self.experiment.find(key)
+        if found is not None and found.info.status == "FINISHED" and not self.cfg.fresh:
+            print(
+                f"{name}: finished before as run {found.info.run_name} ({found.info.run_id}); fresh=true repeats it."
+            )
+            return
+        parent = os.environ.get(PARENT_VARIABLE)
+        if found is None or self.cfg.fresh:
+            run_id = self._begin(name, key, parent, learned)
+            (folder / "last.ckpt").unlink(missing_ok=True)
+        else:
+            run_id = found.info.run_id
+            self.experiment.restart(run_id, parent)
+        try:
+            print(f"{name}: run {run_id}", flush=True)
+            model = (
+                fit(self.cfg, self.files, folder, self.experiment, run_id)
+                if learned
+                else self._classical(run_id)
+            )
+            self._score(model, run_id)
+        except KeyboardInterrupt:
+            self.experiment.finish(run_id, "KILLED")
+            raise
+        except BaseException:
+            self.experiment.finish(run_id, "FAILED")
+            raise
+        self.experiment.finish(run_id)
+
+    def _name(self, learned: bool) -> str:
+        parts = [method_name(self.choices)]
+        if learned:
+            theta = OmegaConf.select(self.cfg, "loss.theta")
+            parts.append(f"theta={theta}" if theta is not None else str(self.choices["loss"]))
+            parts.append(f"seed={self.cfg.seed}")
+        return " ".join([*parts, f"x{self.cfg.task.scale}"])
+
+    def _begin(self, name: str, key: str, parent: str | None, learned: bool) -> str:
+        tags = {
+            "ss.kind": "job",
+            "ss.identity": key,
+            "ss.dataset": fingerprint(self.files["test"]),
+            "ss.method": method_name(self.choices),
+        }
+        run_id = self.experiment.start(name, tags, parent)
+        self.experiment.log_params(run_id, flat_parameters(self.cfg, self.choices, learned))
+        self.experiment.client.log_text(run_id, OmegaConf.to_yaml(self.cfg, resolve=True), "config.yaml")
+        return run_id
+
+    def _classical(self, run_id: str) -> Upsampler:
+        model, constants = choose_constants(self.cfg, self.files["train"])
+        self.experiment.log_params(run_id, {f"tuned.{k}": v for k, v in constants.items()})
+        return model
+
+    def _score(self, model: Upsampler, run_id: str) -> None:
+        result = evaluate(model, self.files["test"])
+        count = sum(p.numel() for p in model.parameters())
+        log_result(self.experiment, run_id, result, {"model/parameters": float(count)})
+
+
+# The stages that a method is published with; a run that swaps one says so in its name.
+_PUBLISHED = {
+    "dlctus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "accumulate": "buffer"},
+    "tus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "rectify": "clamp_rgb"},
+}
+
+
+def method_name(choices: Mapping[str, Any]) -> str:
+    """``dlctus``, or ``dlctus reproject=bilinear`` when a stage differs from the published one."""
+    model = choices["model"]
+    stages = _PUBLISHED.get(model, {})
+    swapped = [
+        f"{s}={choices[f'model/{s}']}" for s in stages if choices.get(f"model/{s}", stages[s]) != stages[s]
+    ]
+    return " ".join([model, *swapped])
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a test run gives: per-frame and per-clip tables, and a folder of crops."""
+
+    frames: pd.DataFrame
+    clips: pd.DataFrame
+    crops: tempfile.TemporaryDirectory
+
+
+def evaluate(model: Upsampler, paths: list[Path]) -> Result:
+    """Score ``model`` on whole test clips and keep the crops of each scene's first clip's last frame."""
+    crops = tempfile.TemporaryDirectory(prefix="crops")
+    scored: list[dict] = []
+    scenes: list[str] = []
+    for frame in score(model, whole_clips(paths, model)):
+        scored.append(frame.row)
+        if frame.index == frame.length - 1 and frame.name.clip == 0:
+            save_crops(frame, Path(crops.name), len(scenes))
+            scenes.append(frame.name.scene)
+    frames = pd.DataFrame(scored)
+    return Result(frames, by_clip(frames), crops)
+
+
+def log_result(experiment: Experiment, run_id: str, result: Result, more: Mapping[str, float]) -> None:
+    """Log the means as metrics, the tables and the crops as artifacts."""
+    client = experiment.client
+    experiment.log_metrics(run_id, {**summary(result.clips), **more})
+    client.log_table(run_id, result.clips, "clips.json")
+    client.log_table(run_id, result.frames, "frames.json")
+    client.log_artifacts(run_id, result.crops.name, "crops")
+    client.log_image(run_id, strip(Path(result.crops.name)), "crops.png")
+    result.crops.cleanup()

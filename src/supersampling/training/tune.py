@@ -1,0 +1,40 @@
+"""Constants of a classical method, chosen on the training clips: the grid point with the best mean PSNR."""
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import product
+
+import numpy as np
+import torch
+from tqdm import tqdm
+
+from supersampling.data.clips import WholeClips
+from supersampling.frames import Frame
+from supersampling.metrics.image import psnr
+from supersampling.models.base import Upsampler
+
+CLIPS = 12  # spread evenly over the training clips
+WARM_UP = 4  # frames of each clip that do not count
+
+
+@torch.inference_mode()
+def _mean_psnr(model: Upsampler, clips: list[dict[str, torch.Tensor]]) -> float:
+    values = []
+    for clip in clips:
+        state = None
+        for t in range(len(clip["color"])):
+            output, state = model(Frame.of({k: v.unsqueeze(0) for k, v in clip.items()}, t), state)
+            if t >= WARM_UP:
+                values.append(psnr(output, clip["target"][t : t + 1]).item())
+    return float(np.mean(values))
+
+
+def tune(
+    make: Callable[[Mapping[str, float]], Upsampler], grid: Mapping[str, Sequence[float]], clips: WholeClips
+) -> tuple[dict[str, float], float]:
+    """Try every combination of ``grid`` on some training clips; the best constants and their mean PSNR in dB."""
+    chosen = np.unique(np.linspace(0, len(clips) - 1, CLIPS).astype(int))
+    read = [clips[int(k)] for k in chosen]
+    trials = [dict(zip(grid, values)) for values in product(*grid.values())]
+    scores = [_mean_psnr(make(trial), read) for trial in tqdm(trials, desc="tune", unit="trial", leave=False)]
+    best = int(np.argmax(scores))
+    return trials[best], scores[best]

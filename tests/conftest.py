@@ -1,0 +1,90 @@
+"""Shared by all tests: pinned threads, and an analytic clip whose right answer is known in closed form."""
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from numpy.typing import NDArray
+
+from supersampling.data.spec import CaptureSpec
+from supersampling.data.store import quantise, write_file
+from supersampling.resolvers import register
+
+ROOT = Path(__file__).resolve().parents[1]
+os.environ["SUPERSAMPLING_ROOT"] = str(ROOT)
+register()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _pinned_threads() -> Iterator[None]:
+    torch.set_num_threads(1)
+    return
+
+
+def pattern(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A colour for every point of the plane (target pixels), in [0, 1]: three plane waves a channel."""
+    waves = ((0.31, 0.17, 0.4), (-0.23, 0.37, 1.9), (0.11, -0.29, 3.1))
+    channels = [
+        0.5 + 0.15 * sum(np.sin(a * x * (1 + 0.2 * c) + b * y + p + c) for a, b, p in waves) for c in range(3)
+    ]
+    return np.stack(channels, axis=-1)
+
+
+def analytic_clip(
+    frames: int,
+    width: int,
+    height: int,
+    scale: int,
+    velocity: tuple[float, float],
+    jitter: NDArray[np.float32],
+) -> dict[str, NDArray]:
+    """A plane that slides by ``velocity`` target pixels a frame, sampled in closed form: all stored buffers, quantised.
+
+    The target is the pattern at target pixel centres (it is smooth, so that box filtering changes next to nothing).
+    """
+    clip: dict[str, list[NDArray]] = {name: [] for name in ("color", "depth", "motion", "jitter", "target")}
+    for t in range(frames):
+        dx, dy = velocity[0] * t, velocity[1] * t
+        y, x = np.mgrid[0:height, 0:width] + 0.5
+        clip["target"].append(quantise("target", pattern(x - dx, y - dy).astype(np.float32)))
+        j = jitter[t % len(jitter)]
+        y, x = np.mgrid[0 : height // scale, 0 : width // scale] + 0.5
+        color = pattern((x + j[0]) * scale - dx, (y + j[1]) * scale - dy)
+        clip["color"].append(quantise("color", color.astype(np.float32)))
+        clip["depth"].append(np.full((*x.shape, 1), 0.5, dtype=np.float32))
+        motion = np.array((-velocity[0] / width, -velocity[1] / height), dtype=np.float32)
+        clip["motion"].append(np.broadcast_to(motion, (*x.shape, 2)).copy())
+        clip["jitter"].append(j)
+    return {name: np.stack(values) for name, values in clip.items()}
+
+
+@pytest.fixture(scope="session")
+def make_file() -> Callable[..., Path]:
+    """Writes a data set file of analytic clips: ``make_file(folder, split, clips=, frames=, size=, scale=)``."""
+    from supersampling.render.jitter import jitter_sequence
+
+    def make(
+        folder: Path, split: str = "train", clips: int = 2, frames: int = 8, size: int = 48, scale: int = 4
+    ) -> Path:
+        spec = CaptureSpec(
+            "analytic", split, clips, frames, (size, size), (size, size), scale, "thesis", "matched", 1, 0, 1
+        )
+        sequence = jitter_sequence("thesis", scale)
+        rng = np.random.default_rng(len(split))
+        made = [
+            analytic_clip(frames, size, size, scale, tuple(rng.uniform(-3, 3, 2)), sequence)
+            for _ in range(clips)
+        ]
+        path = folder / spec.file_name
+        write_file(
+            path,
+            spec,
+            made,
+            {"fingerprint": f"{split}{clips}{frames}{size}{scale}", "renderer": "closed form"},
+        )
+        return path
+
+    return make
