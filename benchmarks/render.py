@@ -1,0 +1,62 @@
+"""Seconds a frame of every product that the renderer makes, by scene.
+
+python benchmarks/render.py [SCENE ...]      default: the built-in scenes, and the tracks that are installed
+"""
+
+import statistics
+import sys
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from supersampling.render.camera import Shot, Window
+from supersampling.render.content import load_scene
+from supersampling.render.paths import camera_path, routes_of
+from supersampling.render.renderer import Renderer
+from supersampling.render.source import installed_scenes
+
+FRAMES = 6
+ALL = frozenset({"color", "depth", "motion"})
+
+
+def median_seconds(work: Callable[[int], object]) -> float:
+    """Median over frames; the first one, which may build caches, is left out."""
+    times = []
+    for k in range(1, FRAMES + 1):
+        start = time.perf_counter()
+        work(k)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times[1:])
+
+
+def measure(name: str) -> None:
+    start = time.perf_counter()
+    scene = load_scene(name)
+    loaded = time.perf_counter() - start
+    path = camera_path(routes_of(scene, "train")[0], np.random.default_rng(0), FRAMES + 1)
+
+    def shot(k: int, window: Window) -> Shot:
+        return Shot(path.cameras[k], path.cameras[k - 1], path.seconds[k], path.seconds[k - 1], window)
+
+    with Renderer(scene) as renderer:
+        whole, part = Window(1920, 1080, 0, 0, 1920, 1080), Window(1920, 1080, 832, 412, 256, 256)
+        products = {
+            "64x64 input of a window": lambda k: renderer.low(shot(k, part), 4, (0.1, -0.2), -2.0, ALL),
+            "64x64 motion alone": lambda k: renderer.low(
+                shot(k, part), 4, (0.1, -0.2), -2.0, frozenset({"motion"})
+            ),
+            "256x256 target, 16 samples": lambda k: renderer.target(shot(k, part), 4, 0.0),
+            "256x256 target, 64 samples": lambda k: renderer.target(shot(k, part), 8, 0.0),
+            "480x270 input": lambda k: renderer.low(shot(k, whole), 4, (0.1, -0.2), -2.0, ALL),
+            "1920x1080 target, 16 samples": lambda k: renderer.target(shot(k, whole), 4, 0.0),
+        }
+        triangles = sum(len(scene.meshes[m].triangles) for o in scene.objects for m in o.meshes)
+        print(f"{name}: {triangles} triangles, loaded in {loaded:.1f} s, {renderer.gl_renderer}")
+        for product, work in products.items():
+            print(f"  {product:30s} {median_seconds(work):7.3f} s")
+
+
+if __name__ == "__main__":
+    for scene_name in sys.argv[1:] or installed_scenes():
+        measure(scene_name)
