@@ -1,0 +1,25 @@
+"""JAU: jitter-aligned bilinear upsampling of the current frame alone (Swensen 2021, 4.1.1)."""
+
+from typing import final
+
+from torch import Tensor
+
+from supersampling.frames import Frame
+from supersampling.models.base import Upsampler
+from supersampling.ops.resample import check_scale, jitter_aligned_upsample
+
+
+@final
+class JAU(Upsampler[None]):
+    """Bilinear upsampling that keeps every sample where it was taken."""
+
+    requires = frozenset({"color", "jitter"})
+
+    def __init__(self, scale: int) -> None:
+        super().__init__()
+        self.scale = check_scale(scale)
+
+    def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
+        assert frame.jitter is not None, "JAU reads jitter: see its requires"
+        # Interpolation of values in [0, 1] may leave it by a rounding step.
+        return jitter_aligned_upsample(frame.color, frame.jitter, self.scale).clamp(0.0, 1.0), None

@@ -1,0 +1,73 @@
+"""TUS: temporal upsampling by hand-written rules (Swensen 2021, 2.4.3 to 2.4.6 and 5.3.1)."""
+
+from typing import final
+
+import torch
+from torch import Tensor
+
+from supersampling.errors import UserError
+from supersampling.frames import Frame
+from supersampling.models.base import Upsampler
+from supersampling.ops.resample import (
+    check_scale,
+    gaussian_upsample,
+    jitter_aligned_upsample,
+    upsample_motion,
+)
+from supersampling.stages.dilate import Dilate
+from supersampling.stages.pad import Pad
+from supersampling.stages.rectify import Rectify
+from supersampling.stages.reproject import Reproject
+
+
+@final
+class TUS(Upsampler[Tensor]):
+    """Rectified history blended with Gaussian-reconstructed samples.
+
+    The state is the history ``(B, 3, H, W)``. The thesis uses history clamping, bicubic reprojection, no
+    dilation, ``alpha`` 0.5 for 2x2 and 1.0 for 4x4, and DLCTUS's first frame and padding; it gives no
+    ``sigma``.
+
+    Args:
+        scale: ``s``.
+        sigma: standard deviation of the reconstruction kernel in target pixels, above 0 (eq 41).
+        alpha: blending factor in [0, 1] (eq 39).
+        reproject, rectify, dilate, pad: stages.
+    """
+
+    def __init__(
+        self,
+        scale: int,
+        sigma: float,
+        alpha: float,
+        reproject: Reproject,
+        rectify: Rectify,
+        dilate: Dilate,
+        pad: Pad,
+    ) -> None:
+        super().__init__()
+        if not sigma > 0.0:
+            raise UserError(f"model.sigma must be above 0 target pixels, got {sigma}; 0.8 is the default.")
+        if not 0.0 <= alpha <= 1.0:
+            raise UserError(
+                f"model.alpha must lie in [0, 1], got {alpha}; the thesis has 0.5 for 2x2 and 1.0 for 4x4."
+            )
+        self.scale = check_scale(scale)
+        self.sigma, self.alpha = sigma, alpha
+        self.reproject, self.rectify, self.dilate, self.pad = reproject, rectify, dilate, pad
+        self.requires = frozenset({"color", "jitter", "motion"}) | dilate.requires
+
+    def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
+        assert frame.jitter is not None
+        assert frame.motion is not None
+        aligned = jitter_aligned_upsample(frame.color, frame.jitter, self.scale)
+        if state is None:
+            history = aligned
+        else:
+            height, width = aligned.shape[-2:]
+            motion = upsample_motion(self.dilate(frame.motion, frame.depth), (height, width))
+            history = self.pad(self.reproject(state, motion), aligned, motion)
+        history = self.rectify(history, frame.color)
+        samples, beta = gaussian_upsample(frame.color, frame.jitter, self.scale, self.sigma)
+        output = torch.lerp(history, samples, self.alpha * beta).clamp(0.0, 1.0)  # eq 39
+        return output, output

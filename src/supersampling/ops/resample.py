@@ -1,0 +1,190 @@
+"""Resampling: upsampling of jittered low-resolution buffers, and interpolation at arbitrary positions.
+
+Symbols: ``s`` scale, ``h w`` low and ``H W = s*h, s*w`` high resolution, ``f`` fraction in [0, 1) between two
+pixel centres, ``a`` the free parameter of the cubic convolution kernel (Keys 1981), ``grid`` normalised
+``grid_sample`` positions.
+The sample of low-resolution pixel ``(i, j)`` lies at ``(j + 0.5 + jitter_x, i + 0.5 + jitter_y)``.
+"""
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from supersampling.errors import UserError
+
+TORCH_CUBIC = -0.75
+"""The ``a`` that ``grid_sample`` and ``interpolate`` have built in."""
+
+
+def check_scale(scale: int) -> int:
+    """The scale itself; raises `UserError` unless it is a whole number from 1 up."""
+    if int(scale) != scale or scale < 1:
+        raise UserError(
+            f"scale must be a whole number from 1 up, got {scale}; set task.scale to e.g. 2 or 4."
+        )
+    return int(scale)
+
+
+def check_cubic(a: float) -> float:
+    """``a`` itself; raises `UserError` outside [-1, 0], where the kernel is no sensible interpolator."""
+    if not -1.0 <= a <= 0.0:
+        raise UserError(
+            f"The cubic kernel's a must lie in [-1, 0], got {a}; use -0.75 (PyTorch) or -0.5 (Catmull-Rom)."
+        )
+    return float(a)
+
+
+def pixel_centres(size: int, like: Tensor) -> Tensor:
+    """``(size,)`` normalised positions of the pixel centres in [-1, 1], rounded once from float64."""
+    centres = (2.0 * torch.arange(size, dtype=torch.float64, device=like.device) + 1.0) / size - 1.0
+    return centres.to(like.dtype)
+
+
+def jitter_aligned_upsample(image: Tensor, jitter: Tensor, scale: int, mode: str = "bilinear") -> Tensor:
+    """Upsample so that every sample stays where it was taken (Swensen 2021, 4.1.1 and A.1).
+
+    Target position ``P`` (low-resolution pixels) reads the image at ``P - jitter``; borders are repeated.
+
+    Args:
+        image: ``(B, C, h, w)``.
+        jitter: ``(B, 2)`` (x, y), low-resolution pixels in [-0.5, 0.5).
+        scale: ``s``.
+        mode: ``bilinear`` or ``bicubic``.
+
+    Returns:
+        ``(B, C, H, W)``.
+    """
+    b, _, h, w = image.shape
+    x = pixel_centres(w * scale, image) - 2.0 * jitter[:, :1] / w
+    y = pixel_centres(h * scale, image) - 2.0 * jitter[:, 1:] / h
+    size = (b, h * scale, w * scale)
+    grid = torch.stack((x[:, None, :].expand(size), y[:, :, None].expand(size)), dim=-1)
+    return F.grid_sample(image, grid, mode=mode, padding_mode="border", align_corners=False)
+
+
+def zero_upsample(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
+    """Put every pixel at the target pixel that holds its sample, zeros elsewhere (Swensen 2021, 4.1.1 and
+    A.1).
+
+    The place in each ``s x s`` block is ``floor((jitter + 0.5) * s)``. Shapes as in
+    `jitter_aligned_upsample`.
+    """
+    b, c, h, w = image.shape
+    # A jitter one rounding step below 0.5 would otherwise land in the next block.
+    place = torch.floor((jitter + 0.5) * scale).clamp(0, scale - 1)
+    steps = torch.arange(scale, device=image.device)
+    hit = (place[:, 1, None, None] == steps[:, None]) & (
+        place[:, 0, None, None] == steps
+    )  # (B, s, s): rows, columns
+    spread = torch.where(hit[:, None, None, :, None, :], image[:, :, :, None, :, None], image.new_zeros(()))
+    return spread.reshape(b, c, h * scale, w * scale)
+
+
+def upsample_motion(motion: Tensor, size: tuple[int, int]) -> Tensor:
+    """Bilinear upsampling of motion ``(B, 2, h, w)`` to ``(B, 2, H, W)``; image units need no rescaling."""
+    return F.interpolate(motion, size=size, mode="bilinear", align_corners=False)
+
+
+def gaussian_upsample(image: Tensor, jitter: Tensor, scale: int, sigma: float) -> tuple[Tensor, Tensor]:
+    """Gaussian reconstruction from the 3x3 nearest low-resolution samples (Swensen 2021, eqs 38, 41, 42).
+
+    Distances are in target pixels. Neighbours outside the image do not take part. The kernel is separable, so
+    the normalised weights are two softmaxes, which stay finite where every unnormalised weight underflows
+    (small sigma).
+
+    Args:
+        image: ``(B, C, h, w)``.
+        jitter: ``(B, 2)``, low-resolution pixels in [-0.5, 0.5).
+        scale: ``s``.
+        sigma: standard deviation in target pixels, above 0.
+
+    Returns:
+        the reconstruction ``(B, C, H, W)``, and ``beta (B, 1, H, W)``, the largest weight before
+        normalisation, in [0, 1].
+    """
+    b, c, h, w = image.shape
+    log_x = _tap_log_weights(jitter[:, 0], w, scale, sigma)  # (B, w, s, 3)
+    log_y = _tap_log_weights(jitter[:, 1], h, scale, sigma)
+    weight_x, weight_y = log_x.softmax(-1)[:, None, None], log_y.softmax(-1)[:, None, :, :, None]
+    padded = F.pad(image, (1, 1, 1, 1), mode="replicate")
+    wide = sum(padded[..., k : k + w, None] * weight_x[..., k] for k in range(3))
+    assert isinstance(wide, Tensor)
+    wide = wide.reshape(b, c, h + 2, w * scale)
+    tall = sum(wide[:, :, k : k + h, None] * weight_y[..., k] for k in range(3))
+    assert isinstance(tall, Tensor)
+    best_x, best_y = log_x.amax(-1).reshape(b, -1), log_y.amax(-1).reshape(b, -1)
+    beta = (best_y[:, :, None] + best_x[:, None, :]).exp()
+    return tall.reshape(b, c, h * scale, w * scale), beta[:, None]
+
+
+def _tap_log_weights(jitter: Tensor, size: int, scale: int, sigma: float) -> Tensor:
+    """``(B, size, s, 3)`` log weights along one axis of the previous, own and next sample; -inf outside the
+    image."""
+    taps = torch.arange(-1, 2, device=jitter.device, dtype=jitter.dtype)
+    inside_block = torch.arange(scale, device=jitter.device, dtype=jitter.dtype) + 0.5
+    distance = (taps + 0.5 + jitter[:, None]).unsqueeze(1) * scale - inside_block[:, None]  # (B, s, 3)
+    pixel = torch.arange(size, device=jitter.device)[:, None, None] + taps
+    outside = (pixel < 0) | (pixel >= size)
+    log_weight = (-0.5 * (distance / sigma) ** 2).unsqueeze(1).expand(-1, size, -1, -1)
+    return log_weight.masked_fill(outside, -torch.inf)
+
+
+def sample_bilinear(image: Tensor, grid: Tensor) -> Tensor:
+    """Bilinear interpolation of ``(B, C, H, W)`` at ``grid (B, H', W', 2)``, borders repeated."""
+    return F.grid_sample(image, grid, mode="bilinear", padding_mode="border", align_corners=False)
+
+
+def sample_bicubic9(image: Tensor, grid: Tensor, a: float) -> Tensor:
+    """Cubic convolution with parameter ``a``, borders repeated; shapes as in `sample_bilinear`.
+
+    ``grid_sample`` itself for its built-in ``a = -0.75``, else nine bilinear fetches (Swensen 2021, A.2).
+    """
+    if a == TORCH_CUBIC:
+        return F.grid_sample(image, grid, mode="bicubic", padding_mode="border", align_corners=False)
+    (x0, x12, x3), (wx0, wx12, wx3) = _cubic_taps(grid[..., 0], image.shape[-1], a)
+    (y0, y12, y3), (wy0, wy12, wy3) = _cubic_taps(grid[..., 1], image.shape[-2], a)
+    rows = ((y0, wy0), (y12, wy12), (y3, wy3))
+    columns = ((x0, wx0), (x12, wx12), (x3, wx3))
+    fetches = [
+        sample_bilinear(image, torch.stack((x, y), dim=-1)) * (wx * wy).unsqueeze(1)
+        for y, wy in rows
+        for x, wx in columns
+    ]
+    return torch.stack(fetches).sum(0)
+
+
+def sample_bicubic5(image: Tensor, grid: Tensor, a: float) -> Tensor:
+    """Cubic convolution without its four corner fetches, renormalised by the weights' sum; Swensen 2021,
+    5.5.1.
+
+    The sum is ``1 - a^2 f_x (1 - f_x) f_y (1 - f_y)``, at least 0.93 for ``a`` in [-1, 0]. Shapes as in
+    `sample_bilinear`.
+    """
+    (x0, x12, x3), (wx0, wx12, wx3) = _cubic_taps(grid[..., 0], image.shape[-1], a)
+    (y0, y12, y3), (wy0, wy12, wy3) = _cubic_taps(grid[..., 1], image.shape[-2], a)
+    cross = (
+        (x12, y0, wx12 * wy0),
+        (x0, y12, wx0 * wy12),
+        (x12, y12, wx12 * wy12),
+        (x3, y12, wx3 * wy12),
+        (x12, y3, wx12 * wy3),
+    )
+    fetches = [
+        sample_bilinear(image, torch.stack((x, y), dim=-1)) * weight.unsqueeze(1) for x, y, weight in cross
+    ]
+    total = torch.stack([weight for _, _, weight in cross]).sum(0)
+    return torch.stack(fetches).sum(0) / total.unsqueeze(1)
+
+
+def _cubic_taps(position: Tensor, size: int, a: float) -> tuple[tuple[Tensor, ...], tuple[Tensor, ...]]:
+    """Normalised positions and weights of one axis's three fetches: first tap, the middle two as one, last
+    tap."""
+    pixel = (position + 1.0) * (0.5 * size) - 0.5
+    base = pixel.floor()
+    f = pixel - base
+    w0 = a * f * (1.0 - f) ** 2
+    w3 = a * f**2 * (1.0 - f)
+    w2 = 1.0 - w0 - w3 - (((a + 2.0) * f - (a + 3.0)) * f * f + 1.0)
+    w12 = 1.0 - w0 - w3  # at least 1 for a <= 0, so the division below is safe
+    places = (base - 1.0, base + w2 / w12, base + 2.0)
+    return tuple((2.0 * place + 1.0) / size - 1.0 for place in places), (w0, w12, w3)

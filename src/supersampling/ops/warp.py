@@ -1,0 +1,40 @@
+"""Backward warping by motion vectors. Motion is (x, y) in units of the whole image: ``previous_uv = uv +
+motion``."""
+
+from collections.abc import Callable
+
+import torch
+from torch import Tensor
+
+from supersampling.ops.resample import pixel_centres, sample_bilinear
+
+
+def sampling_grid(motion: Tensor) -> Tensor:
+    """``(B, H, W, 2)`` normalised ``grid_sample`` positions in the previous frame, from motion ``(B, 2, H,
+    W)``."""
+    _, _, height, width = motion.shape
+    x = pixel_centres(width, motion) + 2.0 * motion[:, 0]
+    y = pixel_centres(height, motion)[:, None] + 2.0 * motion[:, 1]
+    return torch.stack((x, y), dim=-1)
+
+
+def outside(motion: Tensor) -> Tensor:
+    """``(B, 1, H, W)`` bool: the previous position lies outside the image (Swensen 2021, 4.1.2)."""
+    return (sampling_grid(motion).abs().amax(dim=-1) > 1.0).unsqueeze(1)
+
+
+def warp(
+    image: Tensor, motion: Tensor, sample: Callable[[Tensor, Tensor], Tensor] = sample_bilinear
+) -> Tensor:
+    """The previous ``image (B, C, H, W)`` seen from the current frame; borders are repeated.
+
+    Pixels without motion are copied to the bit: float32 grid positions are good to ``max(H, W) * 2**-24``
+    pixels only, and a history that is resampled every frame would add that up.
+
+    Args:
+        image: ``(B, C, H, W)``.
+        motion: ``(B, 2, H, W)``, target resolution.
+        sample: interpolation ``(image, grid) -> (B, C, H, W)``.
+    """
+    still = (motion == 0.0).all(dim=1, keepdim=True)
+    return torch.where(still, image, sample(image, sampling_grid(motion)))

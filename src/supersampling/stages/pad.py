@@ -1,0 +1,35 @@
+"""Slot ``pad``: what stands in for history from outside the previous image (Swensen 2021, 4.1.2)."""
+
+from abc import ABC, abstractmethod
+from typing import final
+
+import torch
+from torch import Tensor, nn
+
+from supersampling.ops.warp import outside
+
+
+class Pad(nn.Module, ABC):
+    """``forward(history, aligned (B, C, H, W), motion (B, 2, H, W)) -> (B, C, H, W)``.
+
+    ``aligned`` is the jitter-aligned input in the history's channels.
+    """
+
+    @abstractmethod
+    def forward(self, history: Tensor, aligned: Tensor, motion: Tensor) -> Tensor: ...
+
+
+@final
+class JitterAligned(Pad):
+    """The jitter-aligned current frame, as the thesis does."""
+
+    def forward(self, history: Tensor, aligned: Tensor, motion: Tensor) -> Tensor:
+        return torch.where(outside(motion), aligned, history)
+
+
+@final
+class Zeros(Pad):
+    """Black, as Xiao et al. 2020 do."""
+
+    def forward(self, history: Tensor, aligned: Tensor, motion: Tensor) -> Tensor:
+        return history.masked_fill(outside(motion), 0.0)

@@ -1,0 +1,108 @@
+"""Slot ``rectify``: how wrong history is pulled to the current frame's colours (Swensen 2021, 2.4.4).
+
+The bounds are those of the 3x3 low-resolution neighbourhood of each target pixel; pixels outside the image do
+not count.
+"""
+
+from abc import ABC, abstractmethod
+from typing import final
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from supersampling.ops.colour import rgb_to_ycocg, ycocg_to_rgb
+
+
+class ColourSpace(ABC):
+    """Where the axis-aligned bounding box is taken; tensors ``(B, 3, H, W)``."""
+
+    @abstractmethod
+    def of_rgb(self, rgb: Tensor) -> Tensor: ...
+
+    @abstractmethod
+    def to_rgb(self, color: Tensor) -> Tensor: ...
+
+
+@final
+class RGB(ColourSpace):
+    """The colours as they are."""
+
+    def of_rgb(self, rgb: Tensor) -> Tensor:
+        return rgb
+
+    def to_rgb(self, color: Tensor) -> Tensor:
+        return color
+
+
+@final
+class YCoCg(ColourSpace):
+    """Luma and two chroma axes: the box often fits the colours more tightly (Karis 2014)."""
+
+    def of_rgb(self, rgb: Tensor) -> Tensor:
+        return rgb_to_ycocg(rgb)
+
+    def to_rgb(self, color: Tensor) -> Tensor:
+        return ycocg_to_rgb(color)
+
+
+class Rectify(nn.Module, ABC):
+    """``forward(history (B, 3, H, W), color (B, 3, h, w)) -> (B, 3, H, W)``, all RGB."""
+
+    @abstractmethod
+    def forward(self, history: Tensor, color: Tensor) -> Tensor: ...
+
+
+@final
+class NoRectification(Rectify):
+    """History as it is."""
+
+    def forward(self, history: Tensor, color: Tensor) -> Tensor:
+        return history
+
+
+@final
+class Clamp(Rectify):
+    """Each channel of the history clamped into the box (the thesis's TUS)."""
+
+    def __init__(self, space: ColourSpace) -> None:
+        super().__init__()
+        self.space = space
+
+    def forward(self, history: Tensor, color: Tensor) -> Tensor:
+        low, high = (_to_target(bound, history) for bound in _box(self.space.of_rgb(color)))
+        clamped = torch.clamp(self.space.of_rgb(history), low, high)
+        return self.space.to_rgb(clamped)
+
+
+@final
+class Clip(Rectify):
+    """The history moved along the line to the neighbourhood's mean until it enters the box."""
+
+    def __init__(self, space: ColourSpace) -> None:
+        super().__init__()
+        self.space = space
+
+    def forward(self, history: Tensor, color: Tensor) -> Tensor:
+        inside = self.space.of_rgb(color)
+        mean = F.avg_pool2d(inside, kernel_size=3, stride=1, padding=1, count_include_pad=False)
+        low, high = _box(inside)
+        low, high, mean = (_to_target(x, history) for x in (low, high, mean))
+        away = self.space.of_rgb(history) - mean
+        reach = torch.where(away > 0.0, high - mean, low - mean)
+        # A channel that agrees with the mean sets no limit (0 / 0); the mean may miss the box by one rounding
+        # step.
+        step = torch.where(away == 0.0, 1.0, reach / torch.where(away == 0.0, 1.0, away))
+        step = step.amin(dim=1, keepdim=True).clamp(0.0, 1.0)
+        return self.space.to_rgb(mean + step * away)
+
+
+def _box(color: Tensor) -> tuple[Tensor, Tensor]:
+    """Per-channel minimum and maximum of the 3x3 neighbourhood, ``(B, 3, h, w)`` each."""
+    high = F.max_pool2d(color, kernel_size=3, stride=1, padding=1)
+    low = -F.max_pool2d(-color, kernel_size=3, stride=1, padding=1)
+    return low, high
+
+
+def _to_target(bound: Tensor, history: Tensor) -> Tensor:
+    return F.interpolate(bound, size=history.shape[-2:], mode="nearest-exact")

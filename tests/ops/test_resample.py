@@ -1,0 +1,170 @@
+import math
+
+import pytest
+import torch
+import torch.nn.functional as F
+
+from supersampling.errors import UserError
+from supersampling.ops.resample import (
+    check_cubic,
+    check_scale,
+    gaussian_upsample,
+    jitter_aligned_upsample,
+    sample_bicubic5,
+    sample_bicubic9,
+    upsample_motion,
+    zero_upsample,
+)
+
+JITTERS = torch.tensor([[0.0, 0.0], [-0.5, -0.5], [0.375, -0.125], [-0.2, 0.49]], dtype=torch.float64)
+
+
+def sampled_ramp(jitter, h, w):
+    """A linear signal, different in x and y, seen by one sample a pixel at centre + jitter."""
+    x = torch.arange(w, dtype=torch.float64) + 0.5 + jitter[:, 0, None, None]
+    y = torch.arange(h, dtype=torch.float64)[:, None] + 0.5 + jitter[:, 1, None, None]
+    return torch.stack(((0.1 + 0.02 * x).expand(-1, h, -1), 0.3 + 0.01 * x + 0.03 * y), dim=1)
+
+
+def target_ramp(h, w, scale):
+    x = (torch.arange(w * scale, dtype=torch.float64) + 0.5) / scale
+    y = (torch.arange(h * scale, dtype=torch.float64)[:, None] + 0.5) / scale
+    return torch.stack(((0.1 + 0.02 * x).expand(h * scale, -1), 0.3 + 0.01 * x + 0.03 * y))
+
+
+@pytest.mark.parametrize("scale", [1, 2, 3, 4, 5, 6])
+@pytest.mark.parametrize(("mode", "border"), [("bilinear", 1), ("bicubic", 3)])
+def test_jitter_alignment_restores_a_ramp(scale, mode, border):
+    h, w, edge = 8, 9, border * scale
+    aligned = jitter_aligned_upsample(sampled_ramp(JITTERS, h, w), JITTERS, scale, mode)
+    inside = (..., slice(edge, -edge), slice(edge, -edge))
+    expected = target_ramp(h, w, scale).expand_as(aligned)
+    # The cubic kernel of a = -0.75 does not reproduce ramps between centres: it is off by up to 0.05 steps.
+    tolerance = 1e-12 if mode == "bilinear" else 0.05 * 0.04
+    torch.testing.assert_close(aligned[inside], expected[inside], rtol=0, atol=tolerance)
+
+
+def test_the_wrong_jitter_sign_misses_the_ramp():
+    h, w, scale = 8, 9, 4
+    wrong = jitter_aligned_upsample(sampled_ramp(JITTERS, h, w), -JITTERS, scale)
+    error = (wrong - target_ramp(h, w, scale))[:, 0, 4:-4, 4:-4].abs().amax((1, 2))
+    expected = 0.02 * 2.0 * JITTERS[:, 0].abs()
+    torch.testing.assert_close(error, expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [1, 2, 3, 4, 5, 6])
+def test_zero_upsampling_puts_each_sample_where_it_was_taken(scale):
+    h, w = 3, 2
+    just_below = torch.nextafter(torch.tensor(0.5), torch.tensor(0.0)).item()
+    jitter = torch.tensor([[0.0, 0.0], [-0.5, just_below], [0.3, -0.4]])
+    image = torch.rand(3, 2, h, w) + 0.5
+    expected = torch.zeros(3, 2, h * scale, w * scale)
+    for b in range(3):
+        for i in range(h):
+            for j in range(w):
+                row = math.floor((i + 0.5 + jitter[b, 1].item()) * scale)
+                column = math.floor((j + 0.5 + jitter[b, 0].item()) * scale)
+                expected[b, :, row, column] = image[b, :, i, j]
+    assert torch.equal(zero_upsample(image, jitter, scale), expected)
+
+
+def test_motion_upsampling_keeps_image_units():
+    x = (torch.arange(8, dtype=torch.float64) + 0.5) / 8
+    motion = torch.stack((0.3 * x, -0.2 * x)).view(1, 2, 1, 8).expand(1, 2, 6, 8)
+    fine = (torch.arange(24, dtype=torch.float64) + 0.5) / 24
+    expected = torch.stack((0.3 * fine, -0.2 * fine)).view(1, 2, 1, 24).expand(1, 2, 18, 24)
+    torch.testing.assert_close(upsample_motion(motion, (18, 24))[..., 3:-3], expected[..., 3:-3])
+
+
+def gaussian_by_loops(image, jitter, scale, sigma):
+    b, c, h, w = image.shape
+    result, beta = torch.zeros(b, c, h * scale, w * scale), torch.zeros(b, 1, h * scale, w * scale)
+    for n in range(b):
+        for y in range(h * scale):
+            for x in range(w * scale):
+                total, weighted, best = 0.0, torch.zeros(c), 0.0
+                for i in range(max(y // scale - 1, 0), min(y // scale + 2, h)):
+                    for j in range(max(x // scale - 1, 0), min(x // scale + 2, w)):
+                        dx = (j + 0.5 + jitter[n, 0].item()) * scale - (x + 0.5)
+                        dy = (i + 0.5 + jitter[n, 1].item()) * scale - (y + 0.5)
+                        weight = math.exp(-(dx * dx + dy * dy) / (2 * sigma**2))
+                        total, best = total + weight, max(best, weight)
+                        weighted = weighted + weight * image[n, :, i, j]
+                result[n, :, y, x], beta[n, 0, y, x] = weighted / total, best
+    return result, beta
+
+
+@pytest.mark.parametrize(("h", "w", "scale", "sigma"), [(3, 4, 2, 0.8), (4, 3, 3, 0.5), (1, 1, 4, 1.5)])
+def test_gaussian_reconstruction_equals_the_loops(h, w, scale, sigma):
+    image = torch.rand(4, 3, h, w)
+    expected, expected_beta = gaussian_by_loops(image, JITTERS, scale, sigma)
+    result, beta = gaussian_upsample(image, JITTERS.float(), scale, sigma)
+    torch.testing.assert_close(result, expected, rtol=1e-4, atol=1e-5)
+    torch.testing.assert_close(beta, expected_beta, rtol=1e-4, atol=1e-6)
+
+
+def test_gaussian_reconstruction_survives_underflow():
+    image = torch.rand(1, 3, 2, 2)
+    result, beta = gaussian_upsample(image, torch.tensor([[-0.5, -0.5]]), 6, sigma=0.01)
+    assert result.isfinite().all()
+    assert beta.min() == 0.0
+    assert image.min() <= result.min()
+    assert result.max() <= image.max()
+
+
+def cubic_kernel(t, a):
+    """Keys 1981, eq 15, with the free parameter left in."""
+    t = abs(t)
+    if t <= 1.0:
+        return (a + 2) * t**3 - (a + 3) * t**2 + 1
+    return a * t**3 - 5 * a * t**2 + 8 * a * t - 4 * a if t < 2.0 else 0.0
+
+
+def bicubic_by_loops(image, grid, a, drop_corners):
+    _, c, height, width = image.shape
+    result = torch.zeros(c, *grid.shape[:2], dtype=image.dtype)
+    for i in range(grid.shape[0]):
+        for j in range(grid.shape[1]):
+            x = (grid[i, j, 0].item() + 1) * width / 2 - 0.5
+            y = (grid[i, j, 1].item() + 1) * height / 2 - 0.5
+            total = 0.0
+            for dy in range(-1, 3):
+                for dx in range(-1, 3):
+                    if drop_corners and dx in (-1, 2) and dy in (-1, 2):
+                        continue
+                    column, row = math.floor(x) + dx, math.floor(y) + dy
+                    weight = cubic_kernel(x - column, a) * cubic_kernel(y - row, a)
+                    total += weight
+                    row, column = min(max(row, 0), height - 1), min(max(column, 0), width - 1)
+                    result[:, i, j] += weight * image[0, :, row, column]
+            result[:, i, j] /= total
+    return result
+
+
+@pytest.mark.parametrize("a", [-0.75, -0.5, -1.0, 0.0])
+@pytest.mark.parametrize(("height", "width"), [(5, 7), (1, 1)])
+def test_bicubic_kernels_equal_the_loops(a, height, width):
+    image = torch.rand(1, 2, height, width, dtype=torch.float64)
+    grid = torch.rand(6, 5, 2, dtype=torch.float64) * 2.6 - 1.3
+    nine, five = sample_bicubic9(image, grid[None], a)[0], sample_bicubic5(image, grid[None], a)[0]
+    torch.testing.assert_close(nine, bicubic_by_loops(image, grid, a, drop_corners=False))
+    torch.testing.assert_close(five, bicubic_by_loops(image, grid, a, drop_corners=True))
+
+
+def test_nine_fetches_meet_grid_sample_at_its_own_parameter():
+    image, grid = torch.rand(2, 4, 9, 11), torch.rand(2, 8, 8, 2) * 2.4 - 1.2
+    ours = sample_bicubic9(image, grid, -0.75 + 1e-9)
+    theirs = F.grid_sample(image, grid, mode="bicubic", padding_mode="border", align_corners=False)
+    torch.testing.assert_close(ours, theirs, rtol=0, atol=5e-6)
+
+
+@pytest.mark.parametrize("scale", [0, -2, 1.5])
+def test_a_scale_that_is_none_is_refused(scale):
+    with pytest.raises(UserError, match=str(scale)):
+        check_scale(scale)
+
+
+@pytest.mark.parametrize("a", [0.5, -1.5, float("nan")])
+def test_a_cubic_parameter_out_of_range_is_refused(a):
+    with pytest.raises(UserError, match=str(a)):
+        check_cubic(a)

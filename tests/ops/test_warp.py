@@ -1,0 +1,52 @@
+import pytest
+import torch
+
+from supersampling.ops.warp import outside, sampling_grid, warp
+
+
+def ramp(height, width):
+    x = torch.arange(width, dtype=torch.float64) + 0.5
+    y = torch.arange(height, dtype=torch.float64)[:, None] + 0.5
+    return (0.2 * x + 0.7 * y).expand(1, 1, height, width)
+
+
+def test_a_ramp_moves_by_the_motion():
+    height, width, shift = 12, 16, (1.75, -2.5)  # pixels
+    motion = torch.tensor([shift[0] / width, shift[1] / height], dtype=torch.float64)
+    moved = warp(ramp(height, width), motion.view(1, 2, 1, 1).expand(1, 2, height, width))
+    expected = ramp(height, width) + 0.2 * shift[0] + 0.7 * shift[1]
+    torch.testing.assert_close(moved[..., 3:-2, 2:-2], expected[..., 3:-2, 2:-2])
+
+
+def test_an_integer_motion_fetches_that_very_pixel():
+    image = torch.rand(2, 3, 6, 8)
+    motion = torch.tensor([[2 / 8, 1 / 6], [-3 / 8, 0.0]]).view(2, 2, 1, 1).expand(2, 2, 6, 8)
+    moved = warp(image, motion)
+    torch.testing.assert_close(moved[0, :, :5, :6], image[0, :, 1:, 2:], rtol=0, atol=1e-6)
+    torch.testing.assert_close(moved[1, :, :, 3:], image[1, :, :, :5], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize(("height", "width"), [(1, 1), (7, 13), (270, 481), (64, 64)])
+def test_zero_motion_copies_to_the_bit_and_small_motion_hardly_blurs(height, width):
+    image = torch.rand(1, 2, height, width)
+    still = torch.zeros(1, 2, height, width)
+    assert torch.equal(warp(image, still), image)
+    torch.testing.assert_close(warp(image, still + 1e-12), image, rtol=0, atol=1e-4)
+
+
+def test_outside_is_where_the_previous_position_leaves_the_image():
+    motion = torch.zeros(1, 2, 4, 8)
+    assert not outside(motion).any()
+    motion[:, 0] = 3.0 / 8  # three pixels to the right
+    expected = torch.zeros(4, 8, dtype=torch.bool)
+    expected[:, 5:] = True
+    assert torch.equal(outside(motion)[0, 0], expected)
+    motion[:, 1] = -1.0 / 4
+    expected[0] = True
+    assert torch.equal(outside(motion)[0, 0], expected)
+
+
+def test_the_grid_without_motion_is_affine_grids():
+    theta = torch.tensor([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]], dtype=torch.float64)
+    expected = torch.nn.functional.affine_grid(theta, [1, 1, 5, 9], align_corners=False)
+    torch.testing.assert_close(sampling_grid(torch.zeros(1, 2, 5, 9, dtype=torch.float64)), expected)
