@@ -10,12 +10,13 @@ def load_scene(name: str) -> Scene:
     Raises:
         UserError: no such scene or track, or SuperTuxKart's data are not installed.
     """
-    from supersampling.render.scenes import BUILT_IN
-    from supersampling.render.stk import load_track
-
     kind, _, track = name.partition("/")
     if kind == "stk":
+        from supersampling.render.stk import load_track
+
         return load_track(track)
+    from supersampling.render.scenes import BUILT_IN
+
     if name not in BUILT_IN:
         known = ", ".join(sorted(BUILT_IN))
         raise UserError(f"There is no scene {name}: use {known}, or stk/<track> for a SuperTuxKart track.")

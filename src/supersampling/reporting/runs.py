@@ -1,0 +1,162 @@
+"""Finished runs and their artifacts, read through MLflow alone, so that a remote server serves as well as a file."""
+
+import json
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from mlflow import MlflowClient
+from mlflow.entities import Run as MlflowRun
+from mlflow.exceptions import MlflowException
+
+from supersampling.errors import UserError
+
+DOWNLOADS_AT_ONCE = 8
+
+
+@dataclass(frozen=True)
+class Run:
+    """A finished job: its tags, flat parameters (as strings) and last metric values."""
+
+    id: str
+    name: str
+    identity: str
+    dataset: str
+    method: str
+    machine: str
+    version: str
+    ended: int
+    params: dict[str, str]
+    metrics: dict[str, float]
+
+    @property
+    def model(self) -> str:
+        return self.params.get("model", self.method)
+
+    @property
+    def seed(self) -> str:
+        return self.params.get("seed", "")
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """The finished jobs of an experiment, oldest first, and how many jobs did not finish."""
+
+    runs: list[Run]
+    unfinished: int
+
+
+class Store:
+    """An MLflow tracking store. ``folder`` receives the downloaded artifacts."""
+
+    def __init__(self, tracking_uri: str, folder: Path) -> None:
+        # A dead server must be told in seconds; MLflow's own patience is minutes.
+        os.environ.setdefault("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "1")
+        os.environ.setdefault("MLFLOW_HTTP_REQUEST_TIMEOUT", "20")
+        os.environ.setdefault("MLFLOW_ENABLE_ARTIFACTS_PROGRESS_BAR", "false")
+        database = tracking_uri.removeprefix("sqlite:///")
+        # MLflow would create an empty database.
+        if database != tracking_uri and not Path(database).is_file():
+            raise UserError(f"there is no MLflow store at '{database}': train first, or set tracking_uri")
+        self.uri = tracking_uri
+        self.folder = folder
+
+    @cached_property
+    def _client(self) -> MlflowClient:
+        return MlflowClient(tracking_uri=self.uri)
+
+    def experiment(self, name: str) -> Experiment:
+        """The jobs of an experiment; of several runs with the same identity the newest finished counts."""
+        try:
+            found = self._client.get_experiment_by_name(name)
+            jobs = self._jobs(found.experiment_id) if found is not None else []
+        except (MlflowException, OSError) as error:
+            reason = str(error).splitlines()[0][:200]
+            raise UserError(
+                f"the MLflow store '{self.uri}' does not answer ({reason}): check tracking_uri"
+            ) from error
+        if found is None:
+            raise UserError(
+                f"the MLflow store '{self.uri}' has no experiment '{name}': train first, or set experiment"
+            )
+        finished = [_run(job) for job in jobs if job.info.status == "FINISHED"]
+        if not finished:
+            raise UserError(
+                f"the experiment '{name}' in '{self.uri}' has no finished run ({len(jobs)} others): train first"
+            )
+        newest = {run.identity: run for run in sorted(finished, key=lambda run: (run.ended, run.id))}
+        return Experiment(list(newest.values()), len(jobs) - len(finished))
+
+    def _jobs(self, experiment_id: str) -> list[MlflowRun]:
+        jobs: list[MlflowRun] = []
+        token = None
+        while True:
+            page = self._client.search_runs(
+                [experiment_id], "tags.`ss.kind` = 'job'", max_results=500, page_token=token
+            )
+            jobs.extend(page)
+            token = page.token
+            if not token:
+                return jobs
+
+    def tables(self, runs: Sequence[Run], name: str) -> dict[str, pd.DataFrame]:
+        """A logged table of each run by the run's id; a run without it is left out.
+
+        A table that was logged twice (a job taken up again) keeps the last row of each scene, clip and frame.
+        """
+        files = self._download(runs, name)
+        return {run: _read_table(path) for run, path in files.items()}
+
+    def folders(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
+        """An artifact folder of each run on the local disk; a run without it is left out."""
+        return self._download(runs, name)
+
+    def _download(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
+        def fetch(run: Run) -> Path | None:
+            if name not in {artifact.path for artifact in self._client.list_artifacts(run.id)}:
+                return None
+            target = self.folder / run.id
+            target.mkdir(parents=True, exist_ok=True)
+            return Path(self._client.download_artifacts(run.id, name, str(target)))
+
+        try:
+            with ThreadPoolExecutor(DOWNLOADS_AT_ONCE) as pool:
+                paths = list(pool.map(fetch, runs))
+        except (MlflowException, OSError) as error:
+            raise UserError(
+                f"'{name}' could not be downloaded from '{self.uri}' ({error}): try again"
+            ) from error
+        return {run.id: path for run, path in zip(runs, paths) if path is not None}
+
+    def history(self, run: Run, metric: str) -> list[tuple[int, float]]:
+        """``(step, value)`` of a metric logged per epoch, by step."""
+        points = {point.step: point.value for point in self._client.get_metric_history(run.id, metric)}
+        return sorted(points.items())
+
+
+def _run(job: MlflowRun) -> Run:
+    tags = job.data.tags
+    return Run(
+        id=job.info.run_id,
+        name=job.info.run_name or job.info.run_id[:8],
+        identity=tags.get("ss.identity", job.info.run_id),
+        dataset=tags.get("ss.dataset", "unknown"),
+        method=tags.get("ss.method", job.data.params.get("model", "unknown")),
+        machine=tags.get("ss.machine", "unknown"),
+        version=tags.get("ss.version", "unknown"),
+        ended=job.info.end_time or 0,
+        params=dict(job.data.params),
+        metrics=dict(job.data.metrics),
+    )
+
+
+def _read_table(path: Path) -> pd.DataFrame:
+    raw: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    table = pd.DataFrame(raw["data"], columns=raw["columns"])
+    keys = [key for key in ("scene", "clip", "frame") if key in table]
+    return table.drop_duplicates(keys, keep="last").sort_values(keys).reset_index(drop=True)

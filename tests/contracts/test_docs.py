@@ -1,0 +1,87 @@
+"""Every command in README.md and docs/: each composes (fast), and each runs on the smallest data (slow)."""
+
+import itertools
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hydra import compose, initialize_config_dir
+from hydra.core.global_hydra import GlobalHydra
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+COMMANDS = sorted(
+    {
+        line.strip()
+        for page in PAGES
+        for line in re.findall(r"^ {4}(python (?:train|render|evaluate|report)\.py.*)$", page.read_text(), re.MULTILINE)
+    }
+)
+
+
+def parsed(command: str) -> tuple[str, bool, list[str]]:
+    words = shlex.split(command.split("#")[0])
+    return words[1].removesuffix(".py"), "-m" in words, [w for w in words[2:] if w != "-m"]
+
+
+def variants(override: str, multirun: bool) -> list[str]:
+    """The values that a multirun makes of one override; a list in brackets is one value."""
+    key, _, value = override.partition("=")
+    if not multirun or value.startswith("["):
+        return [override]
+    return [f"{key}={part}" for part in value.split(",")]
+
+
+def test_there_are_commands():
+    assert len(COMMANDS) >= 12
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_it_composes(command):
+    name, multirun, overrides = parsed(command)
+    for job in itertools.product(*(variants(o, multirun) for o in overrides)):
+        GlobalHydra.instance().clear()
+        with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+            compose(name, list(job))
+
+
+def test_every_make_target_in_the_documentation_exists():
+    makefile = (ROOT / "Makefile").read_text()
+    for page in PAGES:
+        for target in re.findall(r"\bmake ([a-z-]+)", page.read_text()):
+            assert re.search(rf"^{target}:|^\.PHONY:.*\b{target}\b", makefile, re.MULTILINE), (page.name, target)
+
+
+def test_every_linked_file_exists():
+    for page in PAGES:
+        for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
+            assert (page.parent / link).exists(), (page.name, link)
+
+
+SMALL = {
+    "train": ["data=smoke", "budget=smoke", "scene=atrium"],
+    "render": ["data=smoke", "scene=atrium"],
+    "evaluate": ["data=smoke", "scene=atrium"],
+    "report": [],
+}
+ORDER = {"render": 0, "train": 1, "evaluate": 2, "report": 3}
+RUNNABLE = [c for c in COMMANDS if not re.search(r"RUN_ID|FILE|\.h5|stk/|budget=paper|experiment=", c)]
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    return tmp_path_factory.mktemp("project")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", sorted(RUNNABLE, key=lambda c: ORDER[parsed(c)[0]]))
+def test_it_runs(command, root):
+    name, multirun, overrides = parsed(command)
+    small = [o for o in SMALL[name] if not any(w.startswith(o.split("=")[0] + "=") for w in overrides)]
+    run = [sys.executable, f"{name}.py", *(["-m"] if multirun else []), *overrides, *small]
+    where = [f"paths.root={root}"] if name != "report" else [f"tracking_uri=sqlite:///{root}/mlflow.db", f"output={root}/out"]
+    done = subprocess.run([*run, *where], cwd=ROOT, capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, done.stderr[-3000:]

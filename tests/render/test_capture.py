@@ -1,0 +1,142 @@
+"""Whole data set files from a small scene: interrupted or not, they come out the same; what they hold is consistent."""
+
+import numpy as np
+import pytest
+import torch
+import torch.nn.functional as F
+
+from supersampling.data.spec import CaptureSpec
+from supersampling.data.store import Store
+from supersampling.errors import UserError
+from supersampling.render import capture
+from supersampling.render.capture import check_spec, render_file
+from supersampling.render.jitter import thesis_4x4
+from supersampling.render.scene import Material, Mesh, Object, Route, Scene, Sky
+
+SPEC = CaptureSpec("wall", "train", 3, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)
+
+
+def quad(width: float, height: float, z: float, repeats: float, material: int) -> Mesh:
+    x, y = width / 2, height / 2
+    positions = np.array([(-x, -y, z), (x, -y, z), (x, y, z), (-x, y, z)], dtype=np.float32)
+    uv = np.array([(0, 1), (1, 1), (1, 0), (0, 0)], dtype=np.float32) * repeats
+    normals = np.tile(np.array((0, 0, 1), dtype=np.float32), (4, 1))
+    return Mesh(positions, normals, uv, np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32), material)
+
+
+def slide(seconds: float) -> np.ndarray:
+    matrix = np.eye(4, dtype=np.float32)
+    matrix[0, 3] = np.sin(3.0 * seconds)
+    return matrix
+
+
+@pytest.fixture(scope="module")
+def wall() -> Scene:
+    """A smooth pattern on a wall, with a panel that slides in front of it; lit by the ambient light alone."""
+    t = np.arange(128) / 128 * 2 * np.pi
+    u, v = np.meshgrid(t, t)
+    image = np.stack([127 + 60 * np.sin(2 * u + k) + 60 * np.cos(3 * v - k) for k in range(3)], axis=-1)
+    materials = [Material("wall", albedo=image.astype(np.uint8)), Material("panel", albedo=image.astype(np.uint8)[::-1])]
+    meshes = [quad(30, 20, -6, 6, 0), quad(1.5, 1.5, -3, 1, 1)]
+    objects = [Object((0,), np.eye(4, dtype=np.float32)), Object((1,), slide)]
+    routes = [Route(str(k), np.array([(-1, k * 0.1, 0), (1, k * 0.1, 0)], np.float32),
+                    np.array([(0, 0, -6), (0.5, 0, -6)], np.float32)) for k in range(6)]  # fmt: skip
+    return Scene("wall", materials, meshes, objects, routes, sun=None, sky=Sky(), attribution="none needed")
+
+
+def test_interrupted_rendering_gives_the_same_bytes(wall, tmp_path, monkeypatch):
+    whole = render_file(SPEC, tmp_path / "whole", wall)
+    render = capture.render_clip
+    calls = []
+
+    def failing(*args):
+        calls.append(1)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return render(*args)
+
+    monkeypatch.setattr(capture, "render_clip", failing)
+    with pytest.raises(KeyboardInterrupt):
+        render_file(SPEC, tmp_path / "cut", wall)
+    assert not list((tmp_path / "cut").glob("*.h5"))
+    resumed = render_file(SPEC, tmp_path / "cut", wall)
+    assert len(calls) == 2 + 2  # the finished clip was kept
+    assert resumed.read_bytes() == whole.read_bytes()
+    render_file(SPEC, tmp_path / "cut", wall)
+    assert len(calls) == 4  # nothing is missing, so nothing is rendered
+    assert [p.name for p in (tmp_path / "cut").glob("*clips*")] == []
+
+
+@pytest.fixture(scope="module")
+def store(wall, tmp_path_factory) -> Store:
+    return Store(render_file(SPEC, tmp_path_factory.mktemp("data"), wall))
+
+
+def test_a_file_says_what_is_needed_to_trust_it(store):
+    held = store.attributes
+    assert held["attribution"] == "none needed"
+    for key in ("spec", "conventions", "renderer", "software", "tonemap", "jitter_sequence", "fingerprint"):
+        assert held[key]
+    assert float(held["low_mip_bias"]) == -2.0
+    jitters = {tuple(j) for j in store.read("jitter", 0, slice(None)).tolist()}
+    assert jitters <= {tuple(j) for j in thesis_4x4().tolist()}
+
+
+def warped(previous: torch.Tensor, motion: torch.Tensor) -> torch.Tensor:
+    """An independent warp: sample the previous image at uv + motion, all in double precision."""
+    height, width = previous.shape[-2:]
+    motion = F.interpolate(motion.double(), size=(height, width), mode="bilinear", align_corners=False)
+    y, x = torch.meshgrid(torch.arange(height) + 0.5, torch.arange(width) + 0.5, indexing="ij")
+    uv = torch.stack((x / width, y / height), dim=-1)[None] + motion.permute(0, 2, 3, 1)
+    return F.grid_sample(previous.double(), 2 * uv - 1, align_corners=False, padding_mode="border")
+
+
+def test_motion_brings_the_previous_target_here(store):
+    """Warping frame t - 1 onto t cuts the error of static and of moving pixels, tested apart by their depth."""
+    errors = {"static": [0.0, 0.0], "moving": [0.0, 0.0]}
+    for clip in range(store.clips):
+        target, motion, depth = (
+            torch.from_numpy(store.read(name, clip, slice(None))) for name in ("target", "motion", "depth")
+        )
+        for t in range(1, SPEC.frames):
+            plain = (target[t] - target[t - 1]).abs().mean(0)
+            after = (target[t] - warped(target[t - 1 : t], motion[t : t + 1])[0]).abs().mean(0)
+            low = depth[t : t + 1]
+            near = F.interpolate(low, scale_factor=4)[0, 0] < low.max() * 0.75
+            inside = F.max_pool2d((low < low.max() * 0.75).float(), 3, 1, 1)
+            edge = F.interpolate(inside, scale_factor=4)[0, 0].bool() & ~near
+            interior = torch.zeros_like(near)
+            interior[12:-12, 12:-12] = True
+            for name, mask in (("static", ~near & ~edge & interior), ("moving", near & interior)):
+                errors[name][0] += float(plain[mask].sum())
+                errors[name][1] += float(after[mask].sum())
+    for name, (plain, after) in errors.items():
+        assert plain > 0, name
+        assert after < 0.5 * plain, (name, plain, after)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"scale": 7}, "task.scale=7"),
+        ({"split": "dev"}, "dev"),
+        ({"clips": 0}, "clips=0"),
+        ({"window": (8, 64)}, "width of 8"),
+        ({"window": (64, 200)}, "height of 200"),
+        ({"jitter": "zigzag"}, "zigzag"),
+        ({"mip_bias": "none"}, "none"),
+    ],
+)
+def test_what_cannot_be_rendered_says_so(change, sentence):
+    from dataclasses import replace
+
+    with pytest.raises(UserError, match=sentence):
+        check_spec(replace(SPEC, **change))
+
+
+def test_an_unknown_scene_says_so(tmp_path):
+    from dataclasses import replace
+
+    with pytest.raises(UserError, match="atrum"):
+        render_file(replace(SPEC, scene="atrum"), tmp_path)
+    assert not list(tmp_path.glob("*.h5"))
