@@ -17,7 +17,9 @@ COMMANDS = sorted(
     {
         line.strip()
         for page in PAGES
-        for line in re.findall(r"^ {4}(python (?:train|render|evaluate|report)\.py.*)$", page.read_text(), re.MULTILINE)
+        for line in re.findall(
+            r"^ {4}(python (?:train|render|evaluate|report)\.py.*)$", page.read_text(), re.MULTILINE
+        )
     }
 )
 
@@ -52,7 +54,10 @@ def test_every_make_target_in_the_documentation_exists():
     makefile = (ROOT / "Makefile").read_text()
     for page in PAGES:
         for target in re.findall(r"\bmake ([a-z-]+)", page.read_text()):
-            assert re.search(rf"^{target}:|^\.PHONY:.*\b{target}\b", makefile, re.MULTILINE), (page.name, target)
+            assert re.search(rf"^{target}:|^\.PHONY:.*\b{target}\b", makefile, re.MULTILINE), (
+                page.name,
+                target,
+            )
 
 
 def test_every_linked_file_exists():
@@ -82,6 +87,10 @@ def test_it_runs(command, root):
     name, multirun, overrides = parsed(command)
     small = [o for o in SMALL[name] if not any(w.startswith(o.split("=")[0] + "=") for w in overrides)]
     run = [sys.executable, f"{name}.py", *(["-m"] if multirun else []), *overrides, *small]
-    where = [f"paths.root={root}"] if name != "report" else [f"tracking_uri=sqlite:///{root}/mlflow.db", f"output={root}/out"]
+    where = (
+        [f"paths.root={root}"]
+        if name != "report"
+        else [f"tracking_uri=sqlite:///{root}/mlflow.db", f"output={root}/out"]
+    )
     done = subprocess.run([*run, *where], cwd=ROOT, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stderr[-3000:]

@@ -9,7 +9,8 @@ from supersampling.data.spec import CaptureSpec
 from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.render import capture
-from supersampling.render.capture import check_spec, render_file
+from supersampling.render.capture import render_file
+from supersampling.render.check import check_spec
 from supersampling.render.jitter import thesis_4x4
 from supersampling.render.scene import Material, Mesh, Object, Route, Scene, Sky
 
@@ -36,7 +37,10 @@ def wall() -> Scene:
     t = np.arange(128) / 128 * 2 * np.pi
     u, v = np.meshgrid(t, t)
     image = np.stack([127 + 60 * np.sin(2 * u + k) + 60 * np.cos(3 * v - k) for k in range(3)], axis=-1)
-    materials = [Material("wall", albedo=image.astype(np.uint8)), Material("panel", albedo=image.astype(np.uint8)[::-1])]
+    materials = [
+        Material("wall", albedo=image.astype(np.uint8)),
+        Material("panel", albedo=image.astype(np.uint8)[::-1]),
+    ]
     meshes = [quad(30, 20, -6, 6, 0), quad(1.5, 1.5, -3, 1, 1)]
     objects = [Object((0,), np.eye(4, dtype=np.float32)), Object((1,), slide)]
     routes = [Route(str(k), np.array([(-1, k * 0.1, 0), (1, k * 0.1, 0)], np.float32),

@@ -13,39 +13,19 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from supersampling import __version__
-from supersampling.data.spec import SPLITS, CaptureSpec
+from supersampling.data.spec import CaptureSpec
 from supersampling.data.store import ClipArrays, Store, quantise, write_file
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
+from supersampling.render.check import check_spec
 from supersampling.render.content import load_scene
 from supersampling.render.jitter import jitter_sequence, mip_bias, target_mip_bias
+from supersampling.render.paths import FRAMES_PER_SECOND
 from supersampling.render.renderer import TONEMAP, Renderer
 from supersampling.render.scene import Scene
 from supersampling.render.selection import Take, choose
 
 _LOW = frozenset(name for name, b in BUFFERS.items() if b.resolution == "low")
-
-
-def check_spec(spec: CaptureSpec) -> None:
-    """Refuse what cannot be rendered.
-
-    Raises:
-        UserError: names the value and what is allowed.
-    """
-    if not 2 <= spec.scale <= 6:
-        raise UserError(f"task.scale={spec.scale} cannot be rendered: use an integer from 2 to 6.")
-    if spec.split not in SPLITS:
-        raise UserError(f"There is no split {spec.split}: use one of {', '.join(SPLITS)}.")
-    for name in ("clips", "frames", "samples"):
-        if getattr(spec, name) < 1:
-            raise UserError(f"data.{spec.split}.{name}={getattr(spec, name)} is too small: use 1 or more.")
-    for side, window, frame in zip(("width", "height"), spec.window, spec.frame):
-        if not 4 * spec.scale <= window <= frame:
-            raise UserError(
-                f"A window {side} of {window} does not fit: use {4 * spec.scale} to {frame} (the frame's)."
-            )
-    jitter_sequence(spec.jitter, spec.scale)
-    mip_bias(spec.mip_bias, spec.scale)
 
 
 def render_clip(renderer: Renderer, spec: CaptureSpec, take: Take, step: Callable[[], object]) -> ClipArrays:
@@ -69,7 +49,7 @@ def _save_part(path: Path, clip: ClipArrays) -> None:
     beside = path.with_suffix(".tmp")
     try:
         with beside.open("wb") as file:
-            np.savez(file, **clip)
+            np.savez(file, **clip)  # type: ignore[arg-type]
         beside.replace(path)
     except OSError as error:
         beside.unlink(missing_ok=True)
@@ -169,5 +149,5 @@ def _attributes(
         "jitter_sequence": json.dumps(jitter_sequence(spec.jitter, spec.scale).tolist()),
         "low_mip_bias": repr(mip_bias(spec.mip_bias, spec.scale)),
         "target_mip_bias": repr(target_mip_bias(spec.mip_bias)),
-        "frames_per_second": "30",
+        "frames_per_second": repr(FRAMES_PER_SECOND),
     }

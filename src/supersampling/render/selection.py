@@ -59,7 +59,7 @@ def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
     edges_y = np.linalg.norm(np.diff(pixels, axis=0), axis=2) > 0.5
     edges = float(edges_x.mean() + edges_y.mean()) / 2.0
     moving = float((np.linalg.norm(pixels, axis=2) > 0.25).mean())
-    return min(detail, 0.25) * (0.3 + 0.4 * min(moving, 1.0) + 4.0 * min(edges, 0.2))
+    return min(detail, 0.15) * (0.3 + 0.4 * moving + 4.0 * min(edges, 0.1))
 
 
 def choose(renderer: Renderer, scene: Scene, spec: CaptureSpec, clip: int) -> Take:

@@ -7,6 +7,7 @@ from typing import Any
 from supersampling.data.module import Source
 from supersampling.data.spec import CaptureSpec
 from supersampling.errors import UserError
+from supersampling.render.check import check_spec
 
 
 def installed_scenes() -> list[str]:
@@ -35,8 +36,11 @@ class Rendered(Source):
             )
         self._folder = Path(folder)
         self._frame = (int(frame[0]), int(frame[1]))
-        self._shared = {"scale": scale, "jitter": jitter, "mip_bias": mip_bias, "seed": seed}
+        self._shared: dict[str, Any] = {"scale": scale, "jitter": jitter, "mip_bias": mip_bias, "seed": seed}
         self._splits = {"train": dict(train), "val": dict(val), "test": dict(test)}
+        for split in self._splits:
+            for spec in self.specs(split):
+                check_spec(spec)
 
     def specs(self, split: str) -> list[CaptureSpec]:
         options = dict(self._splits[split])
@@ -54,9 +58,6 @@ class Rendered(Source):
         ]
 
     def files(self, split: str) -> list[Path]:
-        from supersampling.render.capture import check_spec, render_file
+        from supersampling.render.capture import render_file
 
-        specs = self.specs(split)
-        for spec in specs:
-            check_spec(spec)
-        return [render_file(spec, self._folder) for spec in specs]
+        return [render_file(spec, self._folder) for spec in self.specs(split)]

@@ -1,0 +1,127 @@
+"""What a person gets wrong gets one clear sentence, a non-zero exit, no stack trace, and leaves nothing half-written."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(root: Path, script: str, *overrides: str, **environment: str) -> tuple[int, str]:
+    command = [sys.executable, script, f"paths.root={root}", *overrides]
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=120, env={**os.environ, **environment}
+    )
+    return done.returncode, done.stderr
+
+
+@pytest.fixture
+def own(make_file, tmp_path):
+    """Overrides that name files of the test's own."""
+    names = {split: make_file(tmp_path, split) for split in ("train", "val", "test")}
+    return ["data=files", "scene=atrium", *(f"data.{s}=[{p}]" for s, p in names.items())]
+
+
+CASES = {
+    "unknown option": (["loss.thetta=0.1"], "thetta"),
+    "unknown choice": (["model=dlcuts"], "dlcuts"),
+    "value out of range": (["loss.theta=1.5"], "loss.theta=1.5"),
+    "value of another type": (["budget.batch=many"], "budget.batch=many"),
+    "scale out of range": (["task.scale=9"], "task.scale=9"),
+    "data set of another scale": (["task.scale=2"], "scale 4, but task.scale=2"),
+    "too small a window": (["budget.crop=512"], "budget.crop=512"),
+    "unreachable server": (["logger.tracking_uri=http://127.0.0.1:9"], "127.0.0.1:9"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_train(case, own, tmp_path):
+    overrides, part = CASES[case]
+    before = set(tmp_path.rglob("*.h5*"))
+    status, said = run(tmp_path, "train.py", *own, "budget=smoke", "baselines=[]", *overrides)
+    assert status != 0
+    assert part in said
+    assert "Traceback" not in said
+    assert set(tmp_path.rglob("*.h5*")) == before
+
+
+@pytest.mark.parametrize(
+    ("content", "part"),
+    [(b"\x89HDF\r\n\x1a\n truncated", "truncated or not an HDF5 file"), (None, "There is no data set")],
+)
+def test_a_broken_file(content, part, own, tmp_path):
+    path = tmp_path / "broken.h5"
+    if content is not None:
+        path.write_bytes(content)
+    status, said = run(tmp_path, "train.py", *own, f"data.train=[{path}]")
+    assert (status, said.count("\n")) == (2, 1)
+    assert part in said
+
+
+@pytest.mark.parametrize(
+    ("override", "part"),
+    [
+        ("scene=atrum", "There is no scene atrum"),
+        ("scene=stk/no_such_track", "no_such_track"),
+        ("scene=stk/../../etc", ".."),
+        ("splits=[dev]", "dev"),
+        ("task.jitter=hilbert", "hilbert"),
+        ("data.test.window=[4,4]", "4"),
+    ],
+)
+def test_render(override, part, tmp_path):
+    scene = [] if override.startswith("scene") else ["scene=atrium"]
+    status, said = run(tmp_path, "render.py", "data=smoke", *scene, override)
+    assert (status, said.count("\n")) == (2, 1)
+    assert part in said
+    assert not list(tmp_path.rglob("*.h5"))
+
+
+def test_no_game_data(tmp_path):
+    status, said = run(
+        tmp_path, "render.py", "scene=stk/zengarden", SUPERTUXKART_DATADIR=str(tmp_path / "none")
+    )
+    assert status == 2
+    assert "supertuxkart-data" in said
+
+
+def test_no_opengl(tmp_path):
+    status, said = run(
+        tmp_path, "render.py", "data=smoke", "scene=atrium", __EGL_VENDOR_LIBRARY_FILENAMES="/nothing.json"
+    )
+    assert status == 2
+    assert "libegl1" in said
+    assert "Traceback" not in said
+
+
+def test_an_unwritable_folder(tmp_path):
+    (tmp_path / "file").write_text("not a folder")
+    status, said = run(
+        tmp_path, "render.py", "data=smoke", "scene=atrium", f"paths.data={tmp_path}/file/data"
+    )
+    assert (status, said.count("\n")) == (2, 1)
+    assert "paths.data" in said
+
+
+def test_evaluate_without_weights(own, tmp_path):
+    status, said = run(tmp_path, "evaluate.py", *own)
+    assert status == 2
+    assert "checkpoint=FILE" in said
+    status, said = run(tmp_path, "evaluate.py", *own, "run=0123")
+    assert status == 2
+    assert "0123" in said
+
+
+def test_report_without_runs(tmp_path):
+    command = [
+        sys.executable,
+        "report.py",
+        f"tracking_uri=sqlite:///{tmp_path}/none.db",
+        f"output={tmp_path}/out",
+    ]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
