@@ -82,7 +82,7 @@ def _of_clip(values: pd.Series, clip: tuple[str, int]) -> np.ndarray:
 
 
 def training_figure(found: Sequence[Method], store: Store, path: Path) -> int:
-    """Training loss and validation PSNR by epoch, a thin line a seed; returns how many configurations are drawn."""
+    """Training loss and validation PSNR by step, a thin line a seed; returns how many configurations are drawn."""
     learned = [method for method in found if not method.classical][: len(COLOURS)]
     histories = [
         (m.label, [[store.history(run, name) for run in m.runs] for name in ("train/loss", "val/psnr")])
@@ -103,7 +103,7 @@ def training_figure(found: Sequence[Method], store: Store, path: Path) -> int:
         axes[0].set_yscale("log")
         for ax, title in zip(axes, ("training loss", "validation PSNR (dB)")):
             ax.set_ylabel(title)
-            ax.set_xlabel("epoch")
+            ax.set_xlabel("training step")
         handles, labels = axes[1].get_legend_handles_labels() or axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
         _save(figure, path)

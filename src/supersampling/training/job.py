@@ -50,7 +50,7 @@ def train(cfg: DictConfig) -> None:
         choices = dict(composed.hydra.runtime.choices)
         with open_dict(composed):
             del composed["hydra"]
-        Job(composed, choices, files, experiment).run()
+        Job(composed, choices, files, experiment, announce=False).run()
     Job(cfg, dict(hydra.runtime.choices), files, experiment).run()
 
 
@@ -62,6 +62,7 @@ class Job:
     choices: Mapping[str, str]
     files: Files
     experiment: Experiment
+    announce: bool = True  # say so when there is nothing left to do
 
     def run(self) -> None:
         """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint."""

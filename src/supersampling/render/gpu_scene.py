@@ -1,0 +1,248 @@
+"""A scene's vertex, material and texture data on the GPU, cut into chunks small enough to cull.
+
+A DRAW is a chunk of a mesh under an object's transform. Draws are sorted by GROUP: those of one material and winding,
+which one indirect call renders, since textures are bound per material. Textures keep their size.
+"""
+
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from supersampling.render.camera import Matrix
+from supersampling.render.frustum import Boxes, transformed
+from supersampling.render.scene import Material, Mesh, Scene, Texture
+
+CHUNK_TRIANGLES = 2048
+VERTEX_LAYOUT = ("3f 3f 2f 4f 4f1", "in_position", "in_normal", "in_uv", "in_tangent", "in_color")
+MODEL_LAYOUT = ("4f 4f 4f/i", "in_model_0", "in_model_1", "in_model_2")
+CLIP_LAYOUT = ("16f 16f/i", "in_current", "in_previous")
+_SRGB8_ALPHA8 = 0x8C43
+_UNIFORM_ALIGNMENT = 256
+
+
+@dataclass(frozen=True)
+class Group:
+    """Draws of one material and winding."""
+
+    material: int
+    mirrored: bool
+
+
+def split(mesh: Mesh) -> list[NDArray[np.uint32]]:
+    """A mesh's triangles in spatial chunks of at most `CHUNK_TRIANGLES`, by halving along the longest axis."""
+    centres = mesh.positions[mesh.triangles].mean(axis=1)
+    waiting, done = [np.arange(len(mesh.triangles))], []
+    while waiting:
+        part = waiting.pop()
+        if len(part) <= CHUNK_TRIANGLES:
+            done.append(mesh.triangles[part].astype(np.uint32))
+            continue
+        spread = centres[part].max(axis=0) - centres[part].min(axis=0)
+        order = part[np.argsort(centres[part, int(spread.argmax())], kind="stable")]
+        waiting += [order[: len(order) // 2], order[len(order) // 2 :]]
+    return done
+
+
+def tangents(mesh: Mesh) -> NDArray[np.float32]:
+    """Per-vertex ``(N, 4)``: direction of increasing u, and the sign that makes ``sign * cross(n, t)`` the map's up.
+
+    v runs down the image and the map's y runs up, so the bitangent is the direction of decreasing v.
+    """
+    tri = mesh.triangles
+    p, uv = mesh.positions[tri].astype(np.float64), mesh.uv[tri].astype(np.float64)
+    e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    d1, d2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    det = d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]
+    sign = np.sign(det)[:, None]  # the area weight is kept, the division left out: only directions are wanted
+    along_u = sign * (e1 * d2[:, 1:] - e2 * d1[:, 1:])
+    up = -sign * (e2 * d1[:, :1] - e1 * d2[:, :1])
+    total_u, total_up = np.zeros_like(mesh.positions, np.float64), np.zeros_like(mesh.positions, np.float64)
+    for corner in range(3):
+        np.add.at(total_u, tri[:, corner], along_u)
+        np.add.at(total_up, tri[:, corner], up)
+    handed = np.where((np.cross(mesh.normals, total_u) * total_up).sum(axis=1) < 0.0, -1.0, 1.0)
+    length = np.linalg.norm(total_u, axis=1, keepdims=True)
+    unit = total_u / np.maximum(
+        length, 1e-20
+    )  # no uv, or mirrored halves that cancel: zero, no normal mapping there
+    return np.concatenate([unit, handed[:, None]], axis=1).astype(np.float32)
+
+
+class GpuScene:
+    """Buffers of a scene and its table of draws.
+
+    ``commands (D, 5)`` are GL's indirect draw records, ``group_of (D,)`` indexes ``groups``, ``moving (D,)`` says which
+    belong to moving objects. `place` sets the transforms of one instant.
+    """
+
+    def __init__(self, ctx: moderngl.Context, scene: Scene) -> None:
+        self.scene = scene
+        self.ctx = ctx
+        chunks = self._upload_meshes()
+        self._list_draws(chunks)
+        self._upload_materials()
+        count = len(scene.objects)
+        self.model_buffer = ctx.buffer(reserve=max(count, 1) * 48, dynamic=True)
+        self.clip_buffer = ctx.buffer(reserve=max(count, 1) * 128, dynamic=True)
+        self.indirect = ctx.buffer(reserve=max(len(self.commands), 1) * 20, dynamic=True)
+        self.bounds = self._static_bounds()
+
+    def _upload_meshes(self) -> list[list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]]]:
+        """Chunks ``(first index, index count, lo, hi)`` of each mesh."""
+        record = [("p", "3f4"), ("n", "3f4"), ("uv", "2f4"), ("t", "4f4"), ("c", "4u1")]
+        vertices, indices, chunks = [], [], []
+        first_vertex = first_index = 0
+        for mesh in self.scene.meshes:
+            data = np.zeros(len(mesh.positions), dtype=record)
+            data["p"], data["n"], data["uv"], data["t"] = (
+                mesh.positions,
+                mesh.normals,
+                mesh.uv,
+                tangents(mesh),
+            )
+            white = np.ones((len(mesh.positions), 3)) if mesh.colors is None else mesh.colors
+            data["c"][:, :3] = np.rint(np.clip(white, 0.0, 1.0) * 255.0)
+            chunks.append([])
+            for part in split(mesh):
+                corners = mesh.positions[part.ravel()].astype(np.float64)
+                chunks[-1].append((first_index, part.size, corners.min(axis=0), corners.max(axis=0)))
+                indices.append(part.ravel() + np.uint32(first_vertex))
+                first_index += part.size
+            vertices.append(data)
+            first_vertex += len(data)
+        empty = np.zeros(1, np.uint32)
+        self.vertex_buffer = self.ctx.buffer(np.concatenate(vertices or [np.zeros(1, record)]).tobytes())
+        self.index_buffer = self.ctx.buffer(np.concatenate(indices or [empty]).astype(np.uint32).tobytes())
+        return chunks
+
+    def _list_draws(
+        self, chunks: list[list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]]]
+    ) -> None:
+        scene = self.scene
+        self.models = (
+            np.stack([o.at(0.0) for o in scene.objects]).astype(np.float64)
+            if scene.objects
+            else np.zeros((0, 4, 4))
+        )
+        self.previous_models = self.models.copy()
+        self.movers = [i for i, o in enumerate(scene.objects) if o.moves]
+        rows = []
+        for i, item in enumerate(scene.objects):
+            mirrored = bool(np.linalg.det(self.models[i, :3, :3]) < 0.0)
+            for m in item.meshes:
+                key = (scene.meshes[m].material, mirrored)
+                rows += [(key, first, count, i, lo, hi) for first, count, lo, hi in chunks[m]]
+        rows.sort(key=lambda row: row[0])
+        keys = sorted({row[0] for row in rows})
+        self.groups = [Group(*key) for key in keys]
+        index = {key: n for n, key in enumerate(keys)}
+        self.group_of = np.array([index[row[0]] for row in rows], dtype=np.int64)
+        self.object_of = np.array([row[3] for row in rows], dtype=np.int64)
+        # Records of glMultiDrawElementsIndirect; the base instance picks the object's transforms.
+        self.commands = np.array([(row[2], 1, row[1], 0, row[3]) for row in rows], dtype=np.uint32).reshape(
+            -1, 5
+        )
+        self._lo = np.array([row[4] for row in rows], dtype=np.float64).reshape(-1, 3)
+        self._hi = np.array([row[5] for row in rows], dtype=np.float64).reshape(-1, 3)
+        self.moving = np.isin(self.object_of, self.movers)
+        self.boxes: Boxes = transformed(self._lo, self._hi, self.models[self.object_of])
+
+    def _upload_materials(self) -> None:
+        block = np.zeros((max(len(self.scene.materials), 1), _UNIFORM_ALIGNMENT // 4), dtype=np.float32)
+        for row, m in zip(block, self.scene.materials):
+            cutoff = 0.5 if m.alpha == "blend" else m.alpha_cutoff
+            row[:12] = [
+                *m.base_color,
+                1.0,
+                *m.emission,
+                float(m.double_sided),
+                m.roughness,
+                m.metallic,
+                cutoff,
+                0.0,
+            ]
+        self.material_buffer = self.ctx.buffer(block.tobytes())
+        self._textures: dict[tuple[int, bool], moderngl.Texture] = {}
+        self._white = np.full((1, 1, 4), 255, np.uint8)  # kept: textures are known by their array's id
+        self.white = self._texture(self._white, srgb=True)
+        self.albedo = [
+            self.white if m.albedo is None else self._texture(m.albedo, srgb=True)
+            for m in self.scene.materials
+        ]
+        self.normal = [
+            m.normal if m.normal is None else self._texture(m.normal, srgb=False)
+            for m in self.scene.materials
+        ]
+        self.surface = [
+            m.surface if m.surface is None else self._texture(m.surface, srgb=False)
+            for m in self.scene.materials
+        ]
+
+    def _texture(self, image: Texture, srgb: bool) -> moderngl.Texture:
+        """Mipmapped and repeating; materials that share an array share its texture."""
+        key = (id(image), srgb)
+        if key not in self._textures:
+            height, width = image.shape[:2]
+            if (
+                image.shape[2] == 3
+            ):  # four channels: three-channel formats are slower and not renderable for mipmaps
+                image = np.concatenate([image, np.full((height, width, 1), 255, np.uint8)], axis=2)
+            data = np.ascontiguousarray(image).tobytes()
+            kind = {"internal_format": _SRGB8_ALPHA8} if srgb else {}
+            texture = self.ctx.texture((width, height), 4, data, **kind)
+            texture.build_mipmaps()
+            texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+            self._textures[key] = texture
+        return self._textures[key]
+
+    def _static_bounds(self) -> Boxes:
+        """``(1, 3)`` box of all static geometry; of all geometry where nothing stands still."""
+        chosen = ~self.moving if (~self.moving).any() else np.ones(len(self.moving), bool)
+        if not chosen.any():
+            return np.zeros((1, 3)), np.ones((1, 3))
+        return self.boxes[0][chosen].min(axis=0, keepdims=True), self.boxes[1][chosen].max(
+            axis=0, keepdims=True
+        )
+
+    def material(self, group: Group) -> Material:
+        return self.scene.materials[group.material]
+
+    def place(self, seconds: float, previous_seconds: float, clip: Matrix, previous_clip: Matrix) -> None:
+        """Transforms at both instants; ``clip`` and ``previous_clip`` are world-to-clip, unjittered."""
+        for i in self.movers:
+            item = self.scene.objects[i]
+            self.models[i], self.previous_models[i] = item.at(seconds), item.at(previous_seconds)
+        if self.movers:
+            now = self.moving
+            lo, hi = transformed(self._lo[now], self._hi[now], self.models[self.object_of[now]])
+            self.boxes[0][now], self.boxes[1][now] = lo, hi
+        if len(self.models) == 0:
+            return
+        # Multiplied in float64: a large world's offsets cancel here and not in the shader.
+        both = np.stack([clip @ self.models, previous_clip @ self.previous_models], axis=1)
+        self.clip_buffer.write(np.ascontiguousarray(both.transpose(0, 1, 3, 2), dtype=np.float32).tobytes())
+        self.model_buffer.write(np.ascontiguousarray(self.models[:, :3], dtype=np.float32).tobytes())
+
+    def vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
+        """Attributes that the program does not read are left out."""
+        sources = (
+            (self.vertex_buffer, VERTEX_LAYOUT),
+            (self.model_buffer, MODEL_LAYOUT),
+            (self.clip_buffer, CLIP_LAYOUT),
+        )
+        content = [
+            (buffer, layout) for buffer, layout in sources if any(name in program for name in layout[1:])
+        ]
+        return self.ctx.vertex_array(
+            program, [(buffer, *layout) for buffer, layout in content], self.index_buffer, skip_errors=True
+        )
+
+    def write_commands(self, draws: NDArray[np.int64]) -> None:
+        """Fills the indirect buffer with the chosen draws, in order."""
+        if len(draws):
+            self.indirect.write(np.ascontiguousarray(self.commands[draws]).tobytes())
+
+    def bind_material(self, material: int) -> None:
+        self.material_buffer.bind_to_uniform_block(0, offset=material * _UNIFORM_ALIGNMENT, size=48)

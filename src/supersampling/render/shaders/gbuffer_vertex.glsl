@@ -1,0 +1,46 @@
+in vec3 in_position;
+in vec3 in_normal;
+in vec2 in_uv;
+in vec4 in_tangent;
+in vec4 in_color;
+in mat4 in_current;   // unjittered object-to-clip, this instant
+in mat4 in_previous;  // unjittered object-to-clip, the previous instant
+in vec4 in_model_0;
+in vec4 in_model_1;
+in vec4 in_model_2;
+
+uniform vec2 jitter;  // of the sample, clip space
+
+out vec2 uv;
+#ifdef SHADE
+out vec3 normal;
+out vec3 color;
+#ifdef NORMAL_MAP
+out vec4 tangent;
+#endif
+#endif
+#ifdef MOTION
+out vec3 current;
+out vec3 previous;
+#endif
+
+void main() {
+    vec4 clip = in_current * vec4(in_position, 1.0);
+    uv = in_uv;
+#ifdef MOTION
+    current = clip.xyw;
+    previous = (in_previous * vec4(in_position, 1.0)).xyw;
+#endif
+#ifdef SHADE
+    vec3 x = in_model_0.xyz, y = in_model_1.xyz, z = in_model_2.xyz;  // rows
+    // Cofactors: right under non-uniform scale; their sign follows the determinant.
+    mat3 cofactors = mat3(cross(y, z), cross(z, x), cross(x, y));  // columns are the cofactor matrix's rows
+    float winding = sign(dot(x, cross(y, z)));
+    normal = winding * (in_normal * cofactors);
+    color = in_color.rgb;
+#ifdef NORMAL_MAP
+    tangent = vec4(dot(x, in_tangent.xyz), dot(y, in_tangent.xyz), dot(z, in_tangent.xyz), winding * in_tangent.w);
+#endif
+#endif
+    gl_Position = vec4(clip.xy - jitter * clip.w, clip.zw);
+}
