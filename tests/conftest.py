@@ -70,7 +70,19 @@ def make_file() -> Callable[..., Path]:
         folder: Path, split: str = "train", clips: int = 2, frames: int = 8, size: int = 48, scale: int = 4
     ) -> Path:
         spec = CaptureSpec(
-            "analytic", split, clips, frames, (size, size), (size, size), scale, "thesis", "matched", 1, 0, 1
+            "analytic",
+            split,
+            clips,
+            frames,
+            frames,
+            (size, size),
+            (size, size),
+            scale,
+            "thesis",
+            "matched",
+            1,
+            0,
+            1,
         )
         sequence = jitter_sequence("thesis", scale)
         rng = np.random.default_rng(len(split))

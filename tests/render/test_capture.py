@@ -14,7 +14,7 @@ from supersampling.render.check import check_spec
 from supersampling.render.jitter import thesis_4x4
 from supersampling.render.scene import Material, Mesh, Object, Route, Scene, Sky
 
-SPEC = CaptureSpec("wall", "train", 3, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)
+SPEC = CaptureSpec("wall", "train", 3, 4, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)
 
 
 def quad(width: float, height: float, z: float, repeats: float, material: int) -> Mesh:
@@ -125,6 +125,7 @@ def test_motion_brings_the_previous_target_here(store):
         ({"scale": 7}, "task.scale=7"),
         ({"split": "dev"}, "dev"),
         ({"clips": 0}, "clips=0"),
+        ({"targets": 5}, "targets=5"),
         ({"window": (8, 64)}, "width of 8"),
         ({"window": (64, 200)}, "height of 200"),
         ({"jitter": "zigzag"}, "zigzag"),

@@ -73,11 +73,29 @@ def test_movers_move_smoothly_and_rigidly(scene: Scene) -> None:
             now = [thing.at(t + k * step) for k in range(3)]
             np.testing.assert_allclose(now[0][:3, :3] @ now[0][:3, :3].T, np.eye(3), atol=1e-5)
             a, b, c = (points @ m[:3, :3].T + m[:3, 3] for m in now)
-            # At most 3 m/s, and a change of speed of at most 40 m/s^2.
-            assert np.abs(b - a).max() < 0.05
+            # At most 4 m/s, and a change of speed of at most 40 m/s^2.
+            assert np.abs(b - a).max() < 4 * step
             assert np.abs(a - 2 * b + c).max() < 40 * step**2 + 1e-5
             places.append(a)
         assert np.ptp(places, axis=0).max() > 0.05  # it does move
+
+
+def test_the_carts_wheels_roll(scene: Scene) -> None:
+    """Where a wheel touches its rail it stands still, while its middle travels."""
+    step, rolling = 1e-3, 0
+    for thing in scene.objects:
+        before, after = thing.at(6.0), thing.at(6.0 + step)
+        speed = np.abs(after - before)[:3, 3].max() / step
+        if not thing.moves or speed < 0.5:
+            continue
+        local = np.concatenate([scene.meshes[m].positions for m in thing.meshes])
+        world = local @ before[:3, :3].T + before[:3, 3]
+        moved = (local @ after[:3, :3].T + after[:3, 3])[world[:, 1] < world[:, 1].min() + 0.002]
+        contact = np.abs(moved - world[world[:, 1] < world[:, 1].min() + 0.002])[:, 0].max() / step
+        if np.ptp(local[:, 0]) < 0.6:  # the wheels; the cart's body is longer
+            rolling += 1
+            assert contact < 0.1 * speed
+    assert rolling == 2
 
 
 def test_some_movers_cross_several_pixels_a_frame(scene: Scene) -> None:
@@ -102,7 +120,7 @@ def _surface_points(scene: Scene) -> np.ndarray:
     ]
     for m in scene.objects[0].meshes:
         corners = scene.meshes[m].positions[scene.meshes[m].triangles]
-        found += [np.einsum("k,nkc->nc", np.float32(w), corners) for w in weights]
+        found += [np.tensordot(corners, w, axes=([1], [0])) for w in weights]
     return np.concatenate(found)
 
 

@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 from torch.utils.data import Dataset, Sampler
 
+from supersampling.data.augment import Augment
 from supersampling.data.store import Store, spec_of
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
@@ -32,20 +33,24 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         UserError: the clips are smaller or shorter than the cut.
     """
 
-    def __init__(self, paths: Sequence[Path], cut: Cut, requires: frozenset[str], seed: int) -> None:
+    def __init__(
+        self, paths: Sequence[Path], cut: Cut, requires: frozenset[str], augment: Augment, seed: int
+    ) -> None:
         self._paths = [Path(p) for p in paths]
         self._stores: list[Store] | None = None  # opened in the process that reads
         self._cut = cut
         self._requires = requires
+        self._augment = augment
         self._seed = seed
         specs = [spec_of(path) for path in self._paths]
         self._clips = [(k, c) for k, spec in enumerate(specs) for c in range(spec.clips)]
         for path, spec in zip(self._paths, specs):
-            if min(spec.target_size) < cut.crop or spec.frames < cut.frames:
+            if min(spec.target_size) < cut.crop or spec.frames < cut.frames or spec.targets < cut.targets:
                 size = "x".join(map(str, spec.target_size))
                 raise UserError(
-                    f"{path} holds {spec.frames} frames of {size} pixels, too little for budget.frames={cut.frames} and "
-                    f"budget.crop={cut.crop}: lower these, or render longer clips or larger windows."
+                    f"{path} holds {spec.frames} frames, {spec.targets} of them with targets of {size} pixels, too little for "
+                    f"budget.frames={cut.frames}, budget.crop={cut.crop} and {cut.targets} targets: lower these, or render "
+                    "longer clips or larger windows."
                 )
 
     def __getitem__(self, index: int) -> dict[str, Tensor]:
@@ -55,18 +60,20 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         which, clip = self._clips[rng.integers(len(self._clips))]
         store = self._stores[which]
         spec, cut = store.spec, self._cut
-        start = int(rng.integers(spec.frames - cut.frames + 1))
+        # The last cut.targets frames need targets, which the clip's first frames may lack.
+        earliest = max(spec.frames - spec.targets + cut.targets, cut.frames)
+        stop = int(rng.integers(earliest, spec.frames + 1))
+        start = stop - cut.frames
         width, height = (n // spec.scale for n in spec.target_size)
         side = cut.crop // spec.scale
         x, y = int(rng.integers(width - side + 1)), int(rng.integers(height - side + 1))
         low, high = (x, y, side, side), tuple(n * spec.scale for n in (x, y, side, side))
-        stop = start + cut.frames
         item = {}
         for name in sorted(self._requires | {"target"}):
             is_target = BUFFERS[name].resolution == "high"
             frames = slice(stop - cut.targets, stop) if is_target else slice(start, stop)
-            item[name] = torch.from_numpy(store.read(name, clip, frames, high if is_target else low))  # type: ignore[arg-type]
-        return item
+            item[name] = store.read(name, clip, frames, high if is_target else low)  # type: ignore[arg-type]
+        return {name: torch.from_numpy(values) for name, values in self._augment(item, rng).items()}
 
 
 class FreshIndices(Sampler[int]):
@@ -99,6 +106,11 @@ class WholeClips(Dataset[dict[str, Tensor]]):
 
     def __init__(self, paths: Sequence[Path], requires: frozenset[str]) -> None:
         self._stores = [Store(path) for path in paths]
+        for store in self._stores:
+            if store.spec.targets < store.spec.frames:
+                raise UserError(
+                    f"{store.path} lacks the targets of its clips' first frames: name a val or test file instead."
+                )
         self._requires = requires
         self._clips = [(store, c) for store in self._stores for c in range(store.clips)]
 

@@ -9,7 +9,7 @@ import lightning as L
 from torch import Tensor
 from torch.utils.data import DataLoader
 
-from supersampling.data.clips import Cut, FreshIndices, WholeClips, WindowDataset
+from supersampling.data.clips import FreshIndices, WholeClips, WindowDataset
 from supersampling.data.store import Store, spec_of
 from supersampling.errors import UserError
 
@@ -60,12 +60,10 @@ class Loaders(L.LightningDataModule):
     """Training windows and whole validation clips. ``batch`` and ``steps`` an epoch; ``workers`` cannot change a result."""
 
     def __init__(
-        self, train: Sequence[Path], val: Sequence[Path], cut: Cut, requires: frozenset[str], *, batch: int, steps: int,
-        workers: int, seed: int,
-    ) -> None:  # fmt: skip
+        self, train: WindowDataset, val: WholeClips, *, batch: int, steps: int, workers: int
+    ) -> None:
         super().__init__()
-        self._train = WindowDataset(train, cut, requires, seed)
-        self._val = WholeClips(val, requires)
+        self._train, self._val = train, val
         self._batch, self._steps, self._workers = batch, steps, workers
 
     def train_dataloader(self) -> DataLoader[dict[str, Tensor]]:

@@ -4,7 +4,7 @@ import hashlib
 import json
 from dataclasses import asdict, dataclass
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 SPLITS = ("train", "val", "test")
 
 
@@ -13,14 +13,16 @@ class CaptureSpec:
     """One file: one scene, one split.
 
     ``frame`` is the whole target frame ``(width, height)`` in pixels, ``window`` the part that each clip keeps (equal to
-    ``frame`` for whole frames), both before they are rounded down to a multiple of ``scale``. ``samples`` is the target's
-    grid: ``samples x samples`` a pixel. ``jitter`` and ``mip_bias`` are named settings (`supersampling.render.jitter`).
+    ``frame`` for whole frames), both before they are rounded down to a multiple of ``scale``. The last ``targets`` frames of
+    a clip have a target, of ``samples x samples`` a pixel. ``jitter`` and ``mip_bias`` are named settings
+    (`supersampling.render.jitter`); ``candidates`` seeded takes are proposed for each clip.
     """
 
     scene: str
     split: str
     clips: int
     frames: int
+    targets: int
     frame: tuple[int, int]
     window: tuple[int, int]
     scale: int

@@ -1,7 +1,8 @@
 """One HDF5 file a scene and split: laid out so that a random window of a random clip reads little else.
 
 Every image buffer is ``(clips, frames, height, width, channels)`` in chunks of one frame's tile, gzip-compressed; ``jitter``
-is ``(clips, frames, 2)``. The attributes hold all that is needed to trust the arrays: see `describe`.
+is ``(clips, frames, 2)``. Targets cost the most, so a file may hold them for each clip's last frames only. The attributes
+hold all that is needed to trust the arrays: see `describe`.
 """
 
 import json
@@ -130,10 +131,16 @@ class Store:
     ) -> NDArray[np.float32]:
         """A buffer's frames, ``(T, C, h, w)`` (``(T, 2)`` for jitter), float32 in its range.
 
+        ``frames`` counts from the clip's first frame; targets can be read where the file has them (``spec.targets``).
         ``window`` is ``(x, y, width, height)`` in the buffer's own pixels. Motion stays in units of the *returned* image,
         so that ``previous_uv = uv + motion`` holds in a crop as it does in the whole.
         """
         data = self._file[name]
+        first, stop, _ = frames.indices(self.spec.frames)
+        if BUFFERS[name].resolution == "high":
+            offset = self.spec.frames - self.spec.targets
+            first, stop = first - offset, stop - offset
+        frames = slice(first, stop)
         if BUFFERS[name].resolution == "frame":
             return restore(name, data[clip, frames])
         height, width = data.shape[2:4]

@@ -40,7 +40,8 @@ def render_clip(renderer: Renderer, spec: CaptureSpec, take: Take, step: Callabl
         for name in _LOW:
             frames[name].append(quantise(name, low[name]))
         frames["jitter"].append(jitter)
-        frames["target"].append(quantise("target", renderer.target(shot, spec.samples, target_bias)))
+        if t >= spec.frames - spec.targets:
+            frames["target"].append(quantise("target", renderer.target(shot, spec.samples, target_bias)))
         step()
     return {name: np.stack(values) for name, values in frames.items()}
 

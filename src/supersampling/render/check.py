@@ -18,6 +18,10 @@ def check_spec(spec: CaptureSpec) -> None:
     for name in ("clips", "frames", "samples"):
         if getattr(spec, name) < 1:
             raise UserError(f"data.{spec.split}.{name}={getattr(spec, name)} is too small: use 1 or more.")
+    if not 1 <= spec.targets <= spec.frames:
+        raise UserError(
+            f"data.{spec.split}.targets={spec.targets} is not possible: use 1 to {spec.frames} (data.{spec.split}.frames)."
+        )
     for side, window, frame in zip(("width", "height"), spec.window, spec.frame):
         if not 4 * spec.scale <= window <= frame:
             raise UserError(

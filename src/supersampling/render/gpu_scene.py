@@ -92,18 +92,16 @@ class GpuScene:
     def _upload_meshes(self) -> list[list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]]]:
         """Chunks ``(first index, index count, lo, hi)`` of each mesh."""
         record = [("p", "3f4"), ("n", "3f4"), ("uv", "2f4"), ("t", "4f4"), ("c", "4u1")]
-        vertices, indices, chunks = [], [], []
+        vertices: list[NDArray[np.void]] = []
+        indices: list[NDArray[np.uint32]] = []
+        chunks: list[list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]]] = []
         first_vertex = first_index = 0
         for mesh in self.scene.meshes:
             data = np.zeros(len(mesh.positions), dtype=record)
-            data["p"], data["n"], data["uv"], data["t"] = (
-                mesh.positions,
-                mesh.normals,
-                mesh.uv,
-                tangents(mesh),
-            )
+            data["p"], data["n"] = mesh.positions, mesh.normals
+            data["uv"], data["t"] = mesh.uv, tangents(mesh)
             white = np.ones((len(mesh.positions), 3)) if mesh.colors is None else mesh.colors
-            data["c"][:, :3] = np.rint(np.clip(white, 0.0, 1.0) * 255.0)
+            data["c"][:, :3] = np.rint(np.clip(np.asarray(white, np.float64), 0.0, 1.0) * 255.0)
             chunks.append([])
             for part in split(mesh):
                 corners = mesh.positions[part.ravel()].astype(np.float64)
@@ -185,13 +183,13 @@ class GpuScene:
         key = (id(image), srgb)
         if key not in self._textures:
             height, width = image.shape[:2]
-            if (
-                image.shape[2] == 3
-            ):  # four channels: three-channel formats are slower and not renderable for mipmaps
+            if image.shape[2] == 3:
+                # Four channels: three-channel formats are slower and not renderable for mipmaps.
                 image = np.concatenate([image, np.full((height, width, 1), 255, np.uint8)], axis=2)
             data = np.ascontiguousarray(image).tobytes()
-            kind = {"internal_format": _SRGB8_ALPHA8} if srgb else {}
-            texture = self.ctx.texture((width, height), 4, data, **kind)
+            texture = self.ctx.texture(
+                (width, height), 4, data, internal_format=_SRGB8_ALPHA8 if srgb else None
+            )
             texture.build_mipmaps()
             texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
             self._textures[key] = texture

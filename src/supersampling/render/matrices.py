@@ -69,4 +69,4 @@ def jitter_offset(jitter: tuple[float, float], width: int, height: int) -> tuple
 
 def eye_of(view: Matrix) -> Matrix:
     """World position ``(3,)`` of a camera."""
-    return np.linalg.inv(view)[:3, 3]
+    return np.asarray(np.linalg.inv(view)[:3, 3], np.float64)

@@ -91,7 +91,9 @@ def camera_path(route: Route, rng: np.random.Generator, frames: int) -> CameraPa
 def _heading(route: Route, points: Vector, distance: Vector, length: float, eye: Vector) -> Vector:
     """Unit viewing directions, never vertical: towards the focus, else along the route."""
     if route.focus is not None:
-        forward = _along(np.asarray(route.focus, dtype=np.float64), distance) - eye
+        focus = np.asarray(route.focus, dtype=np.float64)
+        reach = float(np.linalg.norm(np.diff(focus, axis=0), axis=1).sum())
+        forward = _along(focus, distance * (reach / max(length, 1e-9))) - eye
     else:
         reach = 0.15 * length
         forward = _along(points, np.minimum(distance + reach, length)) - _along(

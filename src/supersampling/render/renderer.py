@@ -32,7 +32,8 @@ Image = NDArray[np.float32]
 def open_context() -> moderngl.Context:
     """An OpenGL 4.3 context without a screen, or a `UserError` that says what to install."""
     try:
-        return moderngl.create_context(standalone=True, backend="egl", require=430)
+        # The stub types each setting as a dictionary of settings.
+        return moderngl.create_context(standalone=True, backend="egl", require=430)  # type: ignore[arg-type]
     except Exception as error:  # moderngl raises bare Exceptions, and OSError for a missing library
         reason = str(error).strip().rstrip(".") or type(error).__name__
         raise UserError(
@@ -172,8 +173,8 @@ class Renderer:
         gpu, ctx = self._gpu, self._ctx
         group = gpu.groups[index]
         gpu.bind_material(group.material)
-        for unit, texture in enumerate((gpu.albedo, gpu.normal, gpu.surface)):
-            chosen = texture[group.material]
+        maps = (gpu.albedo[group.material], gpu.normal[group.material], gpu.surface[group.material])
+        for unit, chosen in enumerate(maps):
             if chosen is not None:
                 chosen.use(unit)
         # The image is drawn y down, which turns the winding; a mirroring transform turns it again.

@@ -21,8 +21,9 @@ def installed_scenes() -> list[str]:
 class Rendered(Source):
     """One file a scene and split, in ``folder``.
 
-    ``train``, ``val`` and ``test`` hold ``clips``, ``frames``, ``window`` (``[width, height]`` or null for whole frames),
-    ``samples`` (a side of the target's grid) and ``candidates`` (takes to choose each clip from).
+    ``train``, ``val`` and ``test`` hold ``clips``, ``frames``, ``targets`` (how many of a clip's last frames get one; null for
+    all), ``window`` (``[width, height]``, or null for whole frames), ``samples`` (a side of the target's grid) and
+    ``candidates`` (takes to choose each clip from).
     """
 
     def __init__(
@@ -45,6 +46,7 @@ class Rendered(Source):
     def specs(self, split: str) -> list[CaptureSpec]:
         options = dict(self._splits[split])
         window = options.pop("window") or self._frame
+        options["targets"] = options["targets"] or options["frames"]
         return [
             CaptureSpec(
                 scene=scene,

@@ -11,7 +11,7 @@ from lightning.pytorch.callbacks import ModelCheckpoint, Timer
 from lightning.pytorch.loggers import MLFlowLogger
 from omegaconf import DictConfig, OmegaConf
 
-from supersampling.data.clips import Cut, WholeClips
+from supersampling.data.clips import Cut, WholeClips, WindowDataset
 from supersampling.data.module import Loaders
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
@@ -63,16 +63,9 @@ def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsamp
     """The loaders that a configuration asks for, with the buffers that its model and loss read."""
     cut = Cut(cfg.budget.crop, cfg.budget.frames, cfg.budget.counted + loss.previous)
     requires = (model.requires | loss.requires | {"color"}) - {"target"}
-    return Loaders(
-        files["train"],
-        files["val"],
-        cut,
-        requires,
-        batch=cfg.budget.batch,
-        steps=cfg.budget.steps,
-        workers=cfg.workers,
-        seed=cfg.seed,
-    )
+    train = WindowDataset(files["train"], cut, requires, instantiate(cfg.augment), cfg.seed)
+    val = WholeClips(files["val"], requires)
+    return Loaders(train, val, batch=cfg.budget.batch, steps=cfg.budget.steps, workers=cfg.workers)
 
 
 def choose_constants(cfg: DictConfig, train_files: list[Path]) -> tuple[Upsampler, dict[str, float]]:

@@ -195,6 +195,6 @@ def atrium() -> Scene:
         exposure=0.75,
         near=0.1,
         far=80.0,
-        attribution="Code and text: MIT. Brick, gravel and grass: scikit-image's images, CC0. Letters: DejaVu fonts, "
+        attribution="Code and text: MIT. Gravel: scikit-image's photograph, CC0. Letters: DejaVu fonts, "
         "Bitstream Vera licence.",
     )

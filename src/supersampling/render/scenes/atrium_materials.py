@@ -79,7 +79,7 @@ class Palette:
         self.shaft = self._maps("fluted stone", (_grooved(column[0], FLUTES), *column[1:]), GIRTH)
         self.clay = self._maps("clay", textures.rough(512, 17, [(0.38, 0.16, 0.1), (0.8, 0.47, 0.32)]), 0.5)
         self.ashlar = self._maps("ashlar", textures.stone(512, 3, ochre, 4), 2.0)
-        self.tiles = self._maps("tiles", textures.floor_tiles(1024, 6, marble, 4), 3.0)
+        self.tiles = self._maps("tiles", textures.floor_tiles(768, 6, marble, 4), 3.0)
         self.cobbles = self._maps("cobbles", textures.cobbles(512, 5), 1.6)
         self.oak = self._maps("oak", textures.wood(512, 6, oak), 1.0)
         self.roof = self._maps(

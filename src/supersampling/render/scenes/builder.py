@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..scene import Material, Mesh, Object, Texture, Transform
+from ..scene import Material, Mesh, Object, Transform
 from .shapes import Shape, join
 
 Color = tuple[float, float, float]
@@ -24,18 +24,6 @@ class Builder:
         self.materials.append(material)
         self._tiles.append(tile)
         return len(self.materials) - 1
-
-    def textured(
-        self,
-        name: str,
-        maps: tuple[Texture, Texture, Texture],
-        tile: float = 1.0,
-        emission: Color = (0.0, 0.0, 0.0),
-    ) -> int:
-        """Adds a material of (albedo, normal, surface) maps as they are."""
-        albedo, normal, surface = maps
-        made = Material(name, albedo, normal, surface, roughness=1.0, metallic=1.0, emission=emission)
-        return self.material(made, tile)
 
     def put(self, shape: Shape, material: int, color: Color = (1.0, 1.0, 1.0)) -> None:
         """Adds a shape that stands still, its albedo multiplied by ``color``."""
@@ -58,7 +46,7 @@ class Builder:
 
     def _mesh(self, parts: list[tuple[Shape, Color]], material: int) -> Mesh:
         shape = join([s for s, _ in parts])
-        colors = np.concatenate([np.tile(np.float32(c), (len(s.positions), 1)) for s, c in parts])
+        colors = np.concatenate([np.tile(np.asarray(c, np.float32), (len(s.positions), 1)) for s, c in parts])
         return Mesh(
             shape.positions.astype(np.float32),
             shape.normals.astype(np.float32),

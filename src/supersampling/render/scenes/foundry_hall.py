@@ -98,8 +98,8 @@ def pipes(b: Builder, m: Stock) -> None:
     share = np.linspace(0, 1, 25)[:, None]
     for z, sag in ((-4.4, 0.5), (-4.25, 0.7), (0.8, 0.6), (3.6, 0.4), (3.75, 0.65)):
         for x in np.arange(-10, 9.9, 4.0):
-            line = np.array([x, 6.7, z]) + share * [4.0, 0, 0] - 4 * sag * share * (1 - share) * [0, 1, 0]
-            b.put(tube(line, 0.022, 7), m.iron)
+            cable = np.array([x, 6.7, z]) + share * [4.0, 0, 0] - 4 * sag * share * (1 - share) * [0, 1, 0]
+            b.put(tube(cable, 0.022, 7), m.iron)
 
 
 def panels(b: Builder, m: Stock) -> None:
@@ -110,7 +110,7 @@ def panels(b: Builder, m: Stock) -> None:
         b.put(sign((x, y, -6.6), 0.38, 0.38, "+z"), m.gauges[(i + i // 5) % 3])
         b.put(disc(0.2, 0.02, (x, y, -6.59), segments=24), m.brass)
     for place, facing, k in (
-        ((-9.3, 1.7, -6.98), "+z", 0), ((6.2, 1.8, -6.98), "+z", 4), ((8.3, 1.7, -6.98), "+z", 1), ((-12.0, 1.8, -4.7), "+x", 2),
+        ((-9.3, 1.7, -6.98), "+z", 0), ((12.0, 3.4, 1.9), "-x", 4), ((8.3, 1.7, -6.98), "+z", 1), ((-12.0, 1.8, -4.7), "+x", 2),
         ((-12.0, 1.8, 5.4), "+x", 4), ((12.0, 1.7, -5.7), "-x", 3), ((12.0, 2.0, -1.5), "-x", 0), ((12.0, 1.8, 5.6), "-x", 1),
         ((-9.8, 2.6, 1.7), "+x", 2), ((-9.8, 1.7, -1.7), "+x", 0), ((-6.4, 1.35, -4.9), "+z", 0), ((3.4, 1.0, -4.4), "+z", 2),
         ((-10.7, 1.7, 6.98), "-z", 3), ((10.8, 1.7, 6.98), "-z", 4),
@@ -126,4 +126,4 @@ def lamps(b: Builder, m: Stock) -> list[PointLight]:
         b.put(lathe([(0.0, 0.06), (0.13, 0.0), (0.1, -0.07), (0.0, -0.1)], 20).shift(x, y, z), m.lamp)
         b.put(tube([(x, y + 0.25, z), (x, 6.75, z)], 0.012, 6), m.iron)
     lights = [PointLight((x, y - 0.2, z), (26.0, 23.0, 18.0), 12.0) for x, y, z in _LAMPS]
-    return [*lights, PointLight((-9.3, 1.4, 0.0), (15.0, 6.0, 2.0), 9.0)]
+    return [*lights, PointLight((-9.0, 1.3, 0.0), (9.0, 4.0, 1.6), 9.0)]

@@ -72,7 +72,7 @@ def stock(builder: Builder) -> Stock:
     gold = [(0.4, 0.26, 0.1), (0.76, 0.56, 0.25), (0.95, 0.82, 0.5)]
     pine = [(0.26, 0.16, 0.08), (0.55, 0.38, 0.2), (0.74, 0.56, 0.34)]
     albedo, normal, glow = metal.embers(512, 90)
-    embers = Material("embers", albedo, normal, glow, roughness=1.0, emission=(1.6, 0.9, 0.5))
+    embers = Material("embers", albedo, normal, glow, roughness=1.0, emission=(0.9, 0.6, 0.4))
     add = builder.material
     return Stock(
         floor=add(_maps(metal.concrete(512, 10), "concrete"), 2.0),

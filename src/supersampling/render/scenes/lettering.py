@@ -12,13 +12,14 @@ from .textures import fractal, picture
 
 Rgb = tuple[int, int, int]
 
-_WORDS = (
+_VOCABULARY = (
     "light sample pixel frame motion vector depth edge window shadow mirror column arch stone river garden engine "
     "filter kernel history jitter phase signal grid lattice aperture lens shutter exposure contrast detail texture "
     "surface normal gradient moment error estimate weight recurrent network layer buffer colour radiance of the and "
     "in a to with over under between after before while without toward from each every one two seven eleven forty "
     "moves stands turns falls rises carries keeps returns samples resolves blends rejects clamps warps measures"
-).split()
+)
+_WORDS = _VOCABULARY.split()
 _TITLES = (
     "Treatise on Light", "Sampling Theory", "The Aliased Garden", "Fields of View", "A Lens for All", "Motion & Memory",
     "Eleven Columns", "Nyquist at Sea", "The Slow Shutter", "Optics II", "Moire", "Lattices", "On Gradients", "Edges",
@@ -41,7 +42,9 @@ def _prose(rng: np.random.Generator, words: int) -> str:
     return " ".join(text)
 
 
-def _fill(draw: ImageDraw.ImageDraw, box: tuple[int, int, int, int], text: str, size: int, color: Rgb, face: str) -> None:
+def _fill(
+    draw: ImageDraw.ImageDraw, box: tuple[int, int, int, int], text: str, size: int, color: Rgb, face: str
+) -> None:
     """Wraps ``text`` into ``box`` (left, top, right, bottom), repeating it until the box is full."""
     letters, words, i = font(size, face), text.split(), 0
     space = letters.getlength(" ")
@@ -72,7 +75,9 @@ def newspaper(seed: int, size: int = 1024) -> Texture:
     draw.line((24, 138, size - 24, 138), ink, 4)
     draw.text((30, 144), f"No. {1000 + seed * 37}   {_prose(rng, 9)}", ink, font(20))
     draw.line((24, 174, size - 24, 174), ink, 2)
-    draw.text((size // 2, 184), _prose(rng, 3).upper().rstrip("."), ink, font(54, "DejaVuSans-Bold"), anchor="ma")
+    draw.text(
+        (size // 2, 184), _prose(rng, 3).upper().rstrip("."), ink, font(54, "DejaVuSans-Bold"), anchor="ma"
+    )
     width = (size - 60) // 4
     y, x = np.mgrid[:230, : 2 * width - 16]
     tone = fractal(1024, seed + 9, 1.4)[: y.shape[0], : y.shape[1]]
@@ -81,7 +86,14 @@ def newspaper(seed: int, size: int = 1024) -> Texture:
     for i in range(4):
         left, top = 30 + i * width, 508 if i in (1, 2) else 262
         draw.text((left, top), _prose(rng, 2), ink, font(24, "DejaVuSerif-Bold"))
-        _fill(draw, (left, top + 34, left + width - 16, size - 30), _prose(rng, 150), (15, 12, 18, 13)[i], ink, "DejaVuSerif")
+        _fill(
+            draw,
+            (left, top + 34, left + width - 16, size - 30),
+            _prose(rng, 150),
+            (15, 12, 18, 13)[i],
+            ink,
+            "DejaVuSerif",
+        )
         draw.line((left + width - 9, 262, left + width - 9, size - 30), ink, 1)
     return _aged(image, seed)
 
@@ -91,7 +103,9 @@ def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Tex
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:size, :size] - np.array([[[size * 0.42]], [[size * 0.5]]])
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    spokes = (np.sin(angle * (24 + 12 * (seed % 3)) + radius * 0.04 * (seed % 2)) > 0) ^ ((radius // 22) % 2 > 0)
+    spokes = (np.sin(angle * (24 + 12 * (seed % 3)) + radius * 0.04 * (seed % 2)) > 0) ^ (
+        (radius // 22) % 2 > 0
+    )
     chart = (spokes & (radius < size * 0.3))[..., None]
     image = Image.fromarray(np.where(chart, front, back).astype(np.uint8))
     draw = ImageDraw.Draw(image)
@@ -99,7 +113,9 @@ def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Tex
     draw.text((size // 2, 16), title, front, font(44, "DejaVuSans-Bold"), anchor="ma")
     at = int(size * 0.74)
     for points in (30, 22, 16, 12, 9):
-        draw.text((size // 2, at), _prose(rng, 3 + 66 // points), front, font(points, "DejaVuSans"), anchor="ma")
+        draw.text(
+            (size // 2, at), _prose(rng, 3 + 66 // points), front, font(points, "DejaVuSans"), anchor="ma"
+        )
         at += round(points * 1.35)
     return _aged(image, seed, 0.2)
 
@@ -133,7 +149,9 @@ def spines(seed: int, size: int = 1024, columns: int = 16, rows: int = 4) -> Tex
             draw.line((x, 0, x, width), ink, 2)
         title = _TITLES[int(rng.integers(len(_TITLES)))]
         points = min(30, int(30 * (height * 0.68) / font(30).getlength(title)))
-        draw.text((26, width // 2), title, ink, font(points, ("DejaVuSerif-Bold", "DejaVuSans")[k % 2]), anchor="lm")
+        draw.text(
+            (26, width // 2), title, ink, font(points, ("DejaVuSerif-Bold", "DejaVuSans")[k % 2]), anchor="lm"
+        )
         draw.text((height - 42, width // 2), str(k + 1), ink, font(16), anchor="lm")
         image.paste(book.rotate(-90, expand=True), ((k % columns) * width, (k // columns) * height))
     return _aged(image, seed, 0.35)
@@ -149,7 +167,9 @@ def banner(seed: int, back: Rgb, front: Rgb, word: str, width: int = 256, height
         draw.polygon([(width, y), (width - 16, y + 8), (width, y + 16)], front)
     step = (height - 260) // max(len(word), 1)
     for i, letter in enumerate(word):
-        draw.text((width // 2, 40 + i * step), letter, front, font(min(step, 130), "DejaVuSerif-Bold"), anchor="ma")
+        draw.text(
+            (width // 2, 40 + i * step), letter, front, font(min(step, 130), "DejaVuSerif-Bold"), anchor="ma"
+        )
     _fill(draw, (26, height - 200, width - 26, height - 20), _prose(rng, 80), 15, front, "DejaVuSans")
     y, x = np.mgrid[:height, :width]
     weave = 0.8 + 0.2 * ((x // 2 + y // 2) % 2)
@@ -171,7 +191,9 @@ def label_sheet(seed: int, size: int = 1024, cells: int = 4) -> Texture:
         ink = (20, 20, 20) if k % 4 < 2 else (245, 240, 230)
         draw.rectangle((34, 44, step - 34, step - 44), back)
         draw.text((42, 48), f"LOT {rng.integers(100, 999)}", ink, font(38, "DejaVuSans-Bold"))
-        draw.text((42, 94), ("FRAGILE", "THIS SIDE UP", "NO HOOKS", "KEEP DRY")[k // 4], ink, font(24, "DejaVuSans"))
+        draw.text(
+            (42, 94), ("FRAGILE", "THIS SIDE UP", "NO HOOKS", "KEEP DRY")[k // 4], ink, font(24, "DejaVuSans")
+        )
         _fill(draw, (42, 126, step - 40, step - 74), _prose(rng, 30), 12, ink, "DejaVuSansMono")
         x = 42
         while x < step - 50:
@@ -192,9 +214,19 @@ def gauge(seed: int, unit: str, size: int = 256) -> Texture:
         angle = np.radians(135 + 2.7 * i)
         inner = 0.34 if i % 10 == 0 else 0.37 if i % 5 == 0 else 0.385
         x, y = np.cos(angle), np.sin(angle)
-        draw.line((c + s * inner * x, c + s * inner * y, c + s * 0.42 * x, c + s * 0.42 * y), (20, 20, 20), s // (140 if i % 10 else 80))
+        draw.line(
+            (c + s * inner * x, c + s * inner * y, c + s * 0.42 * x, c + s * 0.42 * y),
+            (20, 20, 20),
+            s // (140 if i % 10 else 80),
+        )
         if i % 10 == 0:
-            draw.text((c + s * 0.28 * x, c + s * 0.28 * y), str(i), (20, 20, 20), font(s // 16, "DejaVuSans-Bold"), anchor="mm")
+            draw.text(
+                (c + s * 0.28 * x, c + s * 0.28 * y),
+                str(i),
+                (20, 20, 20),
+                font(s // 16, "DejaVuSans-Bold"),
+                anchor="mm",
+            )
     draw.text((c, s * 0.68), unit, (20, 20, 20), font(s // 13, "DejaVuSans-Bold"), anchor="mm")
     draw.text((c, s * 0.8), f"No {4100 + seed}", (60, 60, 60), font(s // 24, "DejaVuSans"), anchor="mm")
     return _aged(image.resize((size, size), Image.Resampling.BOX), seed, 0.12)

@@ -6,6 +6,7 @@ divides them by a material's tile size. Front faces are counter-clockwise.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -223,7 +224,7 @@ def plate(outer: ArrayLike, inner: ArrayLike, depth: float, closed: bool = False
 def _wall(line: Floats, half: float) -> Shape:
     """Flat-shaded side of a plate: ``line`` has the solid on its left."""
     sides = []
-    for p, q in zip(line[:-1], line[1:]):
+    for p, q in pairwise(line):
         if np.linalg.norm(q - p) > 1e-6:
             sides.append(
                 quad((*p, -half), (0, 0, 2 * half), (*(q - p), 0)).map_uv(

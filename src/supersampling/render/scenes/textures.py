@@ -16,7 +16,10 @@ Field = NDArray[np.float64]
 
 
 def fractal(size: int, seed: int, slope: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)) -> Field:
-    """Periodic noise of spectrum ``1 / f^slope``, its middle 98% spread over [0, 1]; ``stretch`` (down, right) > 1 draws it out."""
+    """Periodic noise of spectrum ``1 / f^slope``, its middle 98% spread over [0, 1].
+
+    ``stretch`` (down, right) > 1 draws it out.
+    """
     y = np.fft.fftfreq(size)[:, None] * size * stretch[0]
     x = np.fft.rfftfreq(size)[None] * size * stretch[1]
     frequency = np.hypot(y, x)
@@ -224,23 +227,3 @@ def foliage(size: int, seed: int, count: int, stops: Sequence[Sequence[float]]) 
         )
         image[np.ix_(rows, columns)] = patch
     return picture(image)
-
-
-def leaded(size: int, seed: int, panes: int = 60) -> tuple[Texture, Texture]:
-    """Stained glass, irregular panes with dark leads: albedo and surface, whose emission mask is the glass."""
-    rng = np.random.default_rng(seed)
-    points, hue = rng.random((panes, 2)), rng.random(panes)
-    y, x = np.mgrid[:size, :size] / size
-    nearest = np.full((2, size, size), np.inf)
-    owner = np.zeros((size, size), int)
-    for k, (py, px) in enumerate(points):
-        distance = np.hypot((y - py + 0.5) % 1 - 0.5, (x - px + 0.5) % 1 - 0.5)
-        closer = distance < nearest[0]
-        nearest[1] = np.where(closer, nearest[0], np.minimum(nearest[1], distance))
-        nearest[0] = np.where(closer, distance, nearest[0])
-        owner[closer] = k
-    glass = (nearest[1] - nearest[0]) > 0.012
-    tints = [(0.75, 0.2, 0.12), (0.9, 0.65, 0.2), (0.25, 0.55, 0.3), (0.2, 0.4, 0.75), (0.8, 0.8, 0.65)]
-    ripple = fractal(size, seed + 1, 0.7)
-    color = ramp(hue, tints)[owner] * (0.55 + 0.6 * ripple[..., None])
-    return picture(np.where(glass[..., None], color, 0.06)), surface(0.3 + 0.4 * ~glass, 0.0, glass * 1.0)

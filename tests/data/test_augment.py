@@ -1,0 +1,62 @@
+"""A changed sample is still true: its frames are what the changed pattern looks like from the changed positions."""
+
+import numpy as np
+import pytest
+import torch
+import torch.nn.functional as F
+
+from supersampling.data.augment import Symmetries
+from supersampling.data.clips import Cut, WindowDataset
+
+ALL = frozenset({"color", "depth", "motion", "jitter"})
+
+
+def misfit(item: dict[str, torch.Tensor]) -> tuple[float, float]:
+    """Mean error of the low samples against the target at their positions, and of the previous target warped here."""
+    target, color = item["target"], item["color"][-len(item["target"]) :]
+    height, width = color.shape[-2:]
+    y, x = torch.meshgrid(torch.arange(height) + 0.5, torch.arange(width) + 0.5, indexing="ij")
+    centres = torch.stack((x / width, y / height), dim=-1)
+    jitter = item["jitter"][-len(target) :, None, None] / torch.tensor((width, height))
+    seen = F.grid_sample(target, 2 * (centres + jitter) - 1, align_corners=False, padding_mode="border")
+    sampling = (seen - color).abs().mean().item()
+    motion = F.interpolate(item["motion"][-1:], scale_factor=4, mode="nearest").permute(0, 2, 3, 1)
+    y, x = torch.meshgrid(torch.arange(4 * height) + 0.5, torch.arange(4 * width) + 0.5, indexing="ij")
+    there = torch.stack((x / (4 * width), y / (4 * height)), dim=-1) + motion
+    carried = F.grid_sample(target[-2:-1], 2 * there - 1, align_corners=False)
+    inside = ((there > 0.06) & (there < 0.94)).all(-1)[0]
+    return sampling, (carried - target[-1:]).abs().mean(1)[0][inside].mean().item()
+
+
+@pytest.fixture
+def items(make_file, tmp_path):
+    data = WindowDataset([make_file(tmp_path, clips=4)], Cut(32, 6, 3), ALL, Symmetries(), seed=3)
+    return [data[k] for k in range(24)]
+
+
+def test_samples_and_motion_stay_right(items):
+    for item in items:
+        sampling, warping = misfit(item)
+        assert sampling < 0.02
+        assert warping < 0.02
+
+
+def test_wrong_signs_would_be_noticed(items):
+    worst = [0.0, 0.0]
+    for item in items:
+        sampling, _ = misfit({**item, "jitter": -item["jitter"]})
+        _, warping = misfit({**item, "motion": -item["motion"]})
+        worst = [max(worst[0], sampling), max(worst[1], warping)]
+    assert min(worst) > 0.05
+
+
+def test_all_symmetries_occur(items):
+    """Eight symmetries and six colour orders, seen through what they do to known numbers."""
+    item = {
+        "motion": np.broadcast_to(np.array((1.0, 2.0), np.float32)[None, :, None, None], (1, 2, 2, 2)),
+        "color": np.broadcast_to(np.array((1.0, 2.0, 3.0), np.float32)[None, :, None, None], (1, 3, 2, 2)),
+    }
+    rng = np.random.default_rng(0)
+    seen = [Symmetries()(item, rng) for _ in range(300)]
+    assert len({tuple(s["motion"][0, :, 0, 0].tolist()) for s in seen}) == 8
+    assert len({tuple(s["color"][0, :, 0, 0].tolist()) for s in seen}) == 6
