@@ -102,15 +102,13 @@ class ClipName:
 
 
 class WholeClips(Dataset[dict[str, Tensor]]):
-    """Every clip of the files, whole and in order: the ``requires`` buffers and ``target``, ``(T, ...)`` each."""
+    """Every clip of the files, whole and in order: the ``requires`` buffers ``(T, ...)`` and ``target`` of its last frames.
+
+    Val and test files have a target for every frame.
+    """
 
     def __init__(self, paths: Sequence[Path], requires: frozenset[str]) -> None:
         self._stores = [Store(path) for path in paths]
-        for store in self._stores:
-            if store.spec.targets < store.spec.frames:
-                raise UserError(
-                    f"{store.path} lacks the targets of its clips' first frames: name a val or test file instead."
-                )
         self._requires = requires
         self._clips = [(store, c) for store in self._stores for c in range(store.clips)]
 
@@ -123,8 +121,11 @@ class WholeClips(Dataset[dict[str, Tensor]]):
 
     def __getitem__(self, index: int) -> dict[str, Tensor]:
         store, clip = self._clips[index]
-        names = sorted(self._requires | {"target"})
-        return {name: torch.from_numpy(store.read(name, clip, slice(None))) for name in names}
+        item = {
+            name: torch.from_numpy(store.read(name, clip, slice(None))) for name in sorted(self._requires)
+        }
+        first = store.spec.frames - store.spec.targets
+        return item | {"target": torch.from_numpy(store.read("target", clip, slice(first, None)))}
 
     def __iter__(self) -> Iterator[tuple[ClipName, dict[str, Tensor]]]:
         for index in range(len(self)):

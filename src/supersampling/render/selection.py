@@ -46,10 +46,11 @@ def propose(scene: Scene, spec: CaptureSpec, rng: np.random.Generator) -> Take:
 
 
 def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
-    """How much a low-resolution frame has to show: fine detail, weighted up by motion edges (disocclusions).
+    """How much a low-resolution frame has to show, in [0, 1]: fine detail, motion, and motion edges (disocclusions).
 
-    Detail is the mean absolute difference of neighbouring pixels; motion edges are the share of pixels whose motion
-    differs from a neighbour's by over half a target pixel.
+    Detail is the mean absolute difference of neighbouring pixels, enough at 0.1; a motion edge is a pixel whose motion
+    differs from a neighbour's by over half a target pixel, enough at 6% of them. Speeds beyond 12 target pixels a frame and
+    edges in over 20% of the pixels (a mesh fence that fills the window) count ever less: no history is of use there.
     """
     grey = low["color"].mean(axis=2)
     detail = float(np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean())
@@ -58,8 +59,10 @@ def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
     edges_x = np.linalg.norm(np.diff(pixels, axis=1), axis=2) > 0.5
     edges_y = np.linalg.norm(np.diff(pixels, axis=0), axis=2) > 0.5
     edges = float(edges_x.mean() + edges_y.mean()) / 2.0
-    moving = float((np.linalg.norm(pixels, axis=2) > 0.25).mean())
-    return min(detail, 0.15) * (0.3 + 0.4 * moving + 4.0 * min(edges, 0.1))
+    speed = np.linalg.norm(pixels, axis=2)
+    moving = float((speed > 0.25).mean())
+    calm = 1.0 / (1.0 + (float(speed.mean()) / 12.0) ** 2) / (1.0 + (edges / 0.2) ** 2)
+    return calm * min(detail / 0.1, 1.0) * (0.5 + 0.25 * moving + 0.25 * min(edges / 0.06, 1.0))
 
 
 def choose(renderer: Renderer, scene: Scene, spec: CaptureSpec, clip: int) -> Take:

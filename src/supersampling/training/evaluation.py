@@ -11,6 +11,8 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from supersampling.data.clips import ClipName, WholeClips
+from supersampling.data.store import spec_of
+from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.metrics.image import mssim_thesis, psnr, ssim_gauss11
 from supersampling.metrics.temporal import spatial_loss, temporal_loss
@@ -91,5 +93,15 @@ def summary(clips: pd.DataFrame) -> dict[str, float]:
 
 
 def whole_clips(paths: list[Path], model: Upsampler) -> WholeClips:
-    """Whole clips with what scoring a model reads: its inputs, and colour and motion for crops and the temporal loss."""
+    """Whole clips with what scoring a model reads: its inputs, and colour and motion for crops and the temporal loss.
+
+    Raises:
+        UserError: a file without a target for every frame.
+    """
+    for path in paths:
+        spec = spec_of(path)
+        if spec.targets < spec.frames:
+            raise UserError(
+                f"{path} lacks the targets of its clips' first frames, so it cannot be scored: name a test file."
+            )
     return WholeClips(paths, model.requires | {"color", "motion"})

@@ -58,8 +58,7 @@ class Training(L.LightningModule):
         return value
 
     def validation_step(self, clip: dict[str, Tensor], batch_index: int) -> None:
-        length = clip["color"].shape[1]
-        outputs = unroll(self.model, clip, length)
+        outputs = unroll(self.model, clip, clip["target"].shape[1])
         mean = psnr(outputs.flatten(0, 1).float(), clip["target"].flatten(0, 1)).mean()
         self.log("val/psnr", mean, on_epoch=True, batch_size=1, prog_bar=True, sync_dist=True)
 

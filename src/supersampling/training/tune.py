@@ -21,10 +21,11 @@ def _mean_psnr(model: Upsampler, clips: list[dict[str, torch.Tensor]]) -> float:
     values = []
     for clip in clips:
         state = None
+        first = len(clip["color"]) - len(clip["target"])
         for t in range(len(clip["color"])):
             output, state = model(Frame.of({k: v.unsqueeze(0) for k, v in clip.items()}, t), state)
-            if t >= WARM_UP:
-                values.append(psnr(output, clip["target"][t : t + 1]).item())
+            if t >= max(first, WARM_UP):
+                values.append(psnr(output, clip["target"][t - first : t - first + 1]).item())
     return float(np.mean(values))
 
 
