@@ -25,7 +25,9 @@ def turn(yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Points:
     return about_z @ about_x @ about_y
 
 
-def camera(eye: Sequence[float] = (0.0, 0.0, 0.0), rotation: Points | None = None, fov: float = 1.0) -> Camera:
+def camera(
+    eye: Sequence[float] = (0.0, 0.0, 0.0), rotation: Points | None = None, fov: float = 1.0
+) -> Camera:
     view = np.eye(4)
     view[:3, :3] = turn(0.0) if rotation is None else rotation
     view[:3, 3] = -view[:3, :3] @ np.asarray(eye, np.float64)

@@ -4,12 +4,25 @@ import moderngl
 import numpy as np
 import pytest
 from analytic_scenes import (
-    camera, eye, glow, hit, pixel_points, project, quad, rays, scene, shift, still, turn, wall, whole,
+    camera,
+    eye,
+    glow,
+    hit,
+    pixel_points,
+    project,
+    quad,
+    rays,
+    scene,
+    shift,
+    still,
+    turn,
+    wall,
+    whole,
 )  # fmt: skip
 
 from supersampling.errors import UserError
 from supersampling.render import renderer as module
-from supersampling.render.camera import Camera, Shot, Window
+from supersampling.render.camera import Shot, Window
 from supersampling.render.renderer import BUFFERS, Renderer
 from supersampling.render.scene import Material, Scene, Sky, Sun
 
@@ -18,7 +31,9 @@ ALL = frozenset({"color", "depth", "motion"})
 GEOMETRY = frozenset({"depth", "motion"})
 
 
-def _low(world: Scene, shot: Shot, jitter: tuple[float, float], buffers: frozenset[str] = ALL, scale: int = 2):
+def _low(
+    world: Scene, shot: Shot, jitter: tuple[float, float], buffers: frozenset[str] = ALL, scale: int = 2
+):
     with Renderer(world, 64) as draw:
         return draw.low(shot, scale, jitter, 0.0, buffers)
 
@@ -67,7 +82,9 @@ def test_depth_is_linear_and_sky_is_one(jitter: tuple[float, float]) -> None:
     assert (_low(world, away, jitter, frozenset({"depth"}))["depth"] == 1.0).all()
 
 
-def _motion_error(motion: np.ndarray, truth: np.ndarray, points: np.ndarray, window: Window, scale: int) -> np.ndarray:
+def _motion_error(
+    motion: np.ndarray, truth: np.ndarray, points: np.ndarray, window: Window, scale: int
+) -> np.ndarray:
     """Difference in low-resolution pixels; ``truth`` are previous frame pixel positions."""
     return np.abs(motion * (window.width, window.height) - (truth - points)).max(axis=-1) / scale
 
@@ -178,7 +195,9 @@ def test_tiles_do_not_show_in_the_target(sharp: Scene, monkeypatch: pytest.Monke
     shot = still(camera((0, 0.3, 0), turn(0.05, -0.1)), whole(60, 40))
     with Renderer(sharp, 256) as draw:
         once = draw.target(shot, 2, 0.0)
-        monkeypatch.setattr(module, "TILE", 34)  # tiles of 17 target pixels: 4 x 3, with narrow ones at the ends
+        monkeypatch.setattr(
+            module, "TILE", 34
+        )  # tiles of 17 target pixels: 4 x 3, with narrow ones at the ends
         tiled = draw.target(shot, 2, 0.0)
     difference = np.abs(once - tiled)
     assert (difference > 1 / 255).mean() < 0.005
@@ -199,7 +218,11 @@ def test_only_the_buffers_asked_for(sharp: Scene) -> None:
             draw.low(shot, 2, (0.0, 0.0), 0.0, frozenset({"normals"}))
         with pytest.raises(UserError, match="96x64"):
             draw.low(shot, 5, (0.0, 0.0), 0.0, ALL)
-    assert {k: v.shape for k, v in every.items()} == {"color": (32, 48, 3), "depth": (32, 48, 1), "motion": (32, 48, 2)}
+    assert {k: v.shape for k, v in every.items()} == {
+        "color": (32, 48, 3),
+        "depth": (32, 48, 1),
+        "motion": (32, 48, 2),
+    }
     assert all(v.dtype == np.float32 for v in every.values())
 
 
@@ -217,8 +240,12 @@ def test_two_renderers_and_two_frames_give_the_same_bytes(sharp: Scene) -> None:
     assert target.tobytes() == fresh_target.tobytes()
 
 
-@pytest.mark.parametrize("reason", [Exception("cannot load libEGL"), OSError("libEGL.so.1"), ImportError("glcontext")])
-def test_no_opengl_says_what_to_install(reason: Exception, sharp: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "reason", [Exception("cannot load libEGL"), OSError("libEGL.so.1"), ImportError("glcontext")]
+)
+def test_no_opengl_says_what_to_install(
+    reason: Exception, sharp: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise reason
 

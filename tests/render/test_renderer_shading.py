@@ -5,7 +5,20 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from analytic_scenes import (
-    camera, eye, floor, glow, hit, pixel_points, quad, rays, scene, shift, still, turn, wall, whole,
+    camera,
+    eye,
+    floor,
+    glow,
+    hit,
+    pixel_points,
+    quad,
+    rays,
+    scene,
+    shift,
+    still,
+    turn,
+    wall,
+    whole,
 )  # fmt: skip
 
 from supersampling.render.camera import Camera
@@ -20,7 +33,9 @@ MATTE = Material("matte", roughness=1.0, double_sided=True)
 
 def _bright(world: Scene, view: Camera, seconds: float = 0.0, shadow_size: int = 1024) -> np.ndarray:
     with Renderer(world, shadow_size) as draw:
-        return draw.low(still(view, FRAME, seconds), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"][..., 1]
+        return draw.low(still(view, FRAME, seconds), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"][
+            ..., 1
+        ]
 
 
 def _floor_points(view: Camera) -> np.ndarray:
@@ -40,6 +55,7 @@ def _inside(points: np.ndarray, half: float, margin: float) -> tuple[np.ndarray,
 @pytest.mark.parametrize("moving", [False, True])
 def test_the_sun_shadow_lies_where_geometry_says(extent: float, moving: bool) -> None:
     direction = np.array((0.5, 0.7, 0.2))
+
     def place(seconds: float) -> np.ndarray:
         return shift(1.5 * seconds, 2.0, -seconds)
 
@@ -81,6 +97,7 @@ def test_the_far_sun_map_has_the_shadow_too() -> None:
 @pytest.mark.parametrize("moving", [False, True])
 def test_a_point_light_casts_a_shadow(moving: bool) -> None:
     light = np.array((0.4, 3.0, -0.3))
+
     def place(seconds: float) -> np.ndarray:
         return shift(0.8 * seconds, 1.5, 0.5 * seconds)
 
@@ -125,7 +142,9 @@ def test_alpha_tested_leaves_cast_a_holed_shadow(sun: bool) -> None:
     assert seen[outside].min() > 0.2
 
 
-def _reflected(point: np.ndarray, unit: np.ndarray, view: Camera, normal: np.ndarray, paint: Material) -> np.ndarray:
+def _reflected(
+    point: np.ndarray, unit: np.ndarray, view: Camera, normal: np.ndarray, paint: Material
+) -> np.ndarray:
     """Lambert and GGX times the cosine, for light from ``unit``; Walter 2007, Heitz 2014, Schlick 1994, times pi."""
     out = eye(view) - point
     out /= np.linalg.norm(out, axis=-1, keepdims=True)
@@ -245,17 +264,15 @@ def test_a_negative_mip_bias_sharpens_and_matches_the_full_resolution() -> None:
     shot = still(camera(fov=0.8), whole(512, 512))
     color = frozenset({"color"})
     with Renderer(_checker(), 64) as draw:
-        spread = [float(draw.low(shot, 4, (0.0, 0.0), b, color)["color"].std()) for b in (0.0, -1.0, -2.0, -3.0)]
+        spread = [
+            float(draw.low(shot, 4, (0.0, 0.0), b, color)["color"].std()) for b in (0.0, -1.0, -2.0, -3.0)
+        ]
         full = float(draw.low(shot, 1, (0.0, 0.0), 0.0, color)["color"].std())
         target = float(draw.target(shot, 1, 0.0).std())
         # A target's levels are those of its own pixels, however many samples it takes.
         fine = draw.target(shot, 2, 0.0)
         mean = np.mean(
-            [
-                draw.low(shot, 1, (x, y), 0.0, color)["color"]
-                for x in (-0.25, 0.25)
-                for y in (-0.25, 0.25)
-            ],
+            [draw.low(shot, 1, (x, y), 0.0, color)["color"] for x in (-0.25, 0.25) for y in (-0.25, 0.25)],
             axis=0,
         )
     assert spread[1] > 1.3 * spread[0]

@@ -14,7 +14,7 @@ def installed_scenes() -> list[str]:
     """The default scenes: the built-in ones, and two SuperTuxKart tracks where their data are installed."""
     from supersampling.render.stk import find_data
 
-    tracks = ["stk/black_forest", "stk/ravenbridge_mansion"] if find_data() else []
+    tracks = ["stk/zengarden", "stk/black_forest"] if find_data() else []
     return ["atrium", "foundry", *tracks]
 
 
