@@ -17,7 +17,6 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 
 from supersampling.data.module import Source, fingerprint
 from supersampling.data.spec import SPLITS
-from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
 from supersampling.training.check import check_numbers
 from supersampling.training.crops import save_crops, strip
@@ -71,13 +70,16 @@ class Job:
         key = identity(self.cfg, {s: fingerprint(f) for s, f in self.files.items()}, learned)
         folder = Path(self.cfg.paths.checkpoints) / key
         folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / "lock")
         try:
-            with FileLock(folder / "lock", timeout=0):
-                self._run_once(key, folder, learned)
-        except Timeout as error:
-            raise UserError(
-                f"Another process is busy with this very job ({key}): wait for it, or change the seed."
-            ) from error
+            lock.acquire(timeout=0)
+        except Timeout:
+            print(f"{self._name(learned)}: another process is at this very job; waiting for it.", flush=True)
+            lock.acquire()
+        try:
+            self._run_once(key, folder, learned)
+        finally:
+            lock.release()
 
     def _run_once(self, key: str, folder: Path, learned: bool) -> None:
         name = self._name(learned)
