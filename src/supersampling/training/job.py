@@ -85,9 +85,8 @@ class Job:
         name = self._name(learned)
         found = self.experiment.find(key)
         if found is not None and found.info.status == "FINISHED" and not self.cfg.fresh:
-            print(
-                f"{name}: finished before as run {found.info.run_name} ({found.info.run_id}); fresh=true repeats it."
-            )
+            if self.announce:
+                print(f"{name}: finished before as run {found.info.run_id}; fresh=true repeats it.")
             return
         parent = os.environ.get(PARENT_VARIABLE)
         if found is None or self.cfg.fresh:
