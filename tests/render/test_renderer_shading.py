@@ -220,7 +220,7 @@ def test_shadows_start_at_the_foot_of_a_box_and_none_leaks_inside() -> None:
     assert within.max() < 0.03
 
 
-def _display(radiance: np.ndarray) -> np.ndarray:
+def _display(radiance: np.ndarray | np.float64) -> np.ndarray:
     """Narkowicz' ACES fit and IEC 61966-2-1."""
     x = np.clip((radiance * (2.51 * radiance + 0.03)) / (radiance * (2.43 * radiance + 0.59) + 0.14), 0, 1)
     return np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
@@ -311,7 +311,7 @@ def _no_uv(bumps: np.ndarray) -> tuple[list[Material], list[Mesh]]:
 def _slivers(bumps: np.ndarray) -> tuple[list[Material], list[Mesh]]:
     p = np.array([(-2, 0, -4), (2, 0, -4), (2, 0, -4), (0, 1, -4), (0, 1, -4), (0, 1, -4)], np.float32)
     triangles = np.array([[0, 1, 2], [3, 4, 5], [0, 1, 3]], np.uint32)
-    mesh = Mesh(p, np.tile(np.float32((0, 0, 1)), (6, 1)), p[:, :2].copy(), triangles, 0)
+    mesh = Mesh(p, np.tile(np.array((0, 0, 1), np.float32), (6, 1)), p[:, :2].copy(), triangles, 0)
     return [Material("bumps", normal=bumps)], [mesh, floor(9.0)]
 
 

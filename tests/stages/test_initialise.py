@@ -5,9 +5,8 @@ import torch
 from torch import nn
 
 from supersampling.errors import UserError
-from supersampling.models.dlctus import Trunk
 from supersampling.stages.confine import Clamp, Sigmoid
-from supersampling.stages.initialise import Balanced, Published, Sampled
+from supersampling.stages.initialise import Balanced, Published
 
 
 def layers():
@@ -38,18 +37,3 @@ def test_balanced_starts_at_its_values_when_nothing_is_seen(confine):
 def test_a_saturated_start_is_refused(values):
     with pytest.raises(UserError, match="inside"):
         Balanced(**values)
-
-
-def test_sampled_lets_new_samples_in_where_they_fall():
-    """o1 is about ``blend`` without a sample and ``blend + sample * (R + G + B + depth)`` with one, by hand."""
-    torch.manual_seed(0)
-    network = Trunk(8)
-    Sampled(blend=0.25, keep=0.9, gain=1e-4, sample=0.5)(network.down, network.output_layers(), Clamp())
-    x = torch.zeros(1, 8, 8, 8)
-    x[0, 4:] = 0.5
-    x[0, :4, 2, 5] = torch.tensor((0.1, 0.2, 0.3, 0.4))
-    o1, o2 = network(x)[0]
-    expected = torch.full((8, 8), 0.25)
-    expected[2, 5] += 0.5 * 1.0
-    assert torch.allclose(o1, expected, atol=2e-3)
-    assert torch.allclose(o2, torch.full((8, 8), 0.9), atol=2e-3)

@@ -107,11 +107,11 @@ def _heading(route: Route, points: Vector, distance: Vector, length: float, eye:
 def _head(rng: np.random.Generator, travelled: Vector) -> tuple[Vector, Vector]:
     """Yaw and pitch in radians of a head that looks about while it walks: two slow waves and a steady turn."""
     t = travelled / FRAMES_PER_SECOND
-    yaw = rng.uniform(-0.5, 0.5) + rng.uniform(-0.3, 0.3) * t
+    yaw = rng.uniform(-0.5, 0.5) + rng.uniform(-0.4, 0.4) * t
     pitch = rng.uniform(-0.12, 0.08) + np.zeros_like(t)
     for frequency in rng.uniform(0.3, 1.2, size=2):
         phase = rng.uniform(0.0, 2.0 * np.pi, size=2)
-        yaw = yaw + rng.uniform(0.01, 0.05) * np.sin(2.0 * np.pi * frequency * t + phase[0])
+        yaw = yaw + rng.uniform(0.01, 0.07) * np.sin(2.0 * np.pi * frequency * t + phase[0])
         pitch = pitch + rng.uniform(0.005, 0.02) * np.sin(2.0 * np.pi * frequency * t + phase[1])
     return yaw, pitch
 

@@ -49,8 +49,8 @@ def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
     """How much a low-resolution frame has to show, in [0, 1]: fine detail, motion, and motion edges (disocclusions).
 
     Detail is the mean absolute difference of neighbouring pixels, enough at 0.1; a motion edge is a pixel whose motion
-    differs from a neighbour's by over half a target pixel, enough at 6% of them. Speeds beyond 12 target pixels a frame and
-    edges in over 20% of the pixels (a mesh fence that fills the window) count ever less: no history is of use there.
+    differs from a neighbour's by over half a target pixel, enough at 6% of them. Speeds beyond 16 target pixels a frame and
+    edges in over 30% of the pixels (a mesh fence that fills the window) count ever less: no history is of use there.
     """
     grey = low["color"].mean(axis=2)
     detail = float(np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean())
@@ -61,7 +61,7 @@ def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
     edges = float(edges_x.mean() + edges_y.mean()) / 2.0
     speed = np.linalg.norm(pixels, axis=2)
     moving = float((speed > 0.25).mean())
-    calm = 1.0 / (1.0 + (float(speed.mean()) / 12.0) ** 2) / (1.0 + (edges / 0.2) ** 2)
+    calm = 1.0 / (1.0 + (float(speed.mean()) / 16.0) ** 2) / (1.0 + (edges / 0.3) ** 2)
     return calm * min(detail / 0.1, 1.0) * (0.5 + 0.25 * moving + 0.25 * min(edges / 0.06, 1.0))
 
 

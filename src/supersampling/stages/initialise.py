@@ -55,26 +55,3 @@ class Balanced(Initialise):
         half = bias.numel() // 2
         bias[:half] = confine.inverse(self.blend)
         bias[half:] = confine.inverse(self.keep)
-
-
-@final
-class Sampled(Initialise):
-    """Starts as temporal upsampling does: new samples enter where they fall, the history stays elsewhere.
-
-    On top of `Balanced`, ``o1`` of each target pixel reads that pixel's zero-upsampled colour and depth, which are zero
-    wherever no sample falls: with weights ``sample`` on each of the four it starts near ``blend`` without a sample and
-    near ``blend + sample * (R + G + B + depth)`` with one.
-    """
-
-    def __init__(
-        self, blend: float = 0.25, keep: float = 0.9, gain: float = 0.05, sample: float = 0.5
-    ) -> None:
-        self.balanced = Balanced(blend, keep, gain)
-        self.sample = sample
-
-    @torch.no_grad()
-    def __call__(self, first: nn.Conv2d, lasts: Sequence[nn.Conv2d], confine: Confine) -> None:
-        self.balanced(first, lasts, confine)
-        height, width = first.kernel_size
-        for k in range(height * width):
-            first.weight[k, :4, k // width, k % width] += self.sample

@@ -1,0 +1,68 @@
+"""Make the README's pictures: stills of scenes, and the crops of the newest finished runs of one data set.
+
+python scripts/readme_pictures.py       writes docs/images/scenes.jpg and docs/images/crops.png
+"""
+
+from pathlib import Path
+
+import mlflow
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from supersampling.render.camera import Shot, Window
+from supersampling.render.content import load_scene
+from supersampling.render.paths import camera_path
+from supersampling.render.renderer import Renderer
+
+ROOT = Path(__file__).resolve().parents[1]
+IMAGES = ROOT / "docs" / "images"
+STILLS = (("atrium", 2, 0), ("foundry", 0, 4), ("stk/black_forest", 1, 1), ("stk/ravenbridge_mansion", 0, 0))
+METHODS = ("bicubic", "jau", "tus", "dlctus")
+
+
+def still(name: str, route: int, seed: int) -> NDArray[np.uint8]:
+    """A 640x360 picture from a scene's route."""
+    scene = load_scene(name)
+    path = camera_path(scene.routes[route], np.random.default_rng(seed), 8)
+    window = Window(640, 360, 0, 0, 640, 360)
+    shot = Shot(path.cameras[5], path.cameras[4], path.seconds[5], path.seconds[4], window)
+    with Renderer(scene) as renderer:
+        return np.round(255.0 * renderer.target(shot, 4, 0.0)).astype(np.uint8)
+
+
+def crops() -> Image.Image:
+    """A row a scene: input, each method's output, target, with names above."""
+    mlflow.set_tracking_uri(f"sqlite:///{ROOT}/mlflow.db")
+    done = "tags.`ss.kind` = 'job' and attributes.status = 'FINISHED'"
+    runs = mlflow.search_runs(experiment_names=["supersampling"], filter_string=done)
+    runs = runs[runs["tags.ss.dataset"] == runs["tags.ss.dataset"].iloc[0]]
+    folders = {}
+    for method in METHODS:
+        run_id = runs[runs["tags.ss.method"] == method].iloc[0]["run_id"]
+        folders[method] = Path(mlflow.artifacts.download_artifacts(run_id=run_id, artifact_path="crops"))
+    rows = []
+    for target in sorted(folders["jau"].glob("*_target.png")):
+        stem = target.name.removesuffix("_target.png")
+        names = [folders["jau"] / f"{stem}_input.png", *(folders[m] / f"{stem}.png" for m in METHODS), target]
+        cells = [np.asarray(Image.open(n).resize((192, 192), Image.Resampling.NEAREST)) for n in names]
+        rows.append(np.concatenate(cells, axis=1))
+    picture = Image.fromarray(np.concatenate(rows))
+    headed = Image.new("RGB", (picture.width, picture.height + 22), "white")
+    headed.paste(picture, (0, 22))
+    draw = ImageDraw.Draw(headed)
+    for k, name in enumerate(("input", *METHODS, "target")):
+        draw.text((192 * k + 96, 11), name, fill="black", anchor="mm", font_size=16)
+    return headed
+
+
+def main() -> None:
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    stills = [still(*each) for each in STILLS]
+    sheet = np.concatenate([np.concatenate(stills[:2], axis=1), np.concatenate(stills[2:], axis=1)])
+    Image.fromarray(sheet).save(IMAGES / "scenes.jpg", quality=85)
+    crops().save(IMAGES / "crops.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()
