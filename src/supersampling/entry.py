@@ -1,5 +1,6 @@
 """How an entry point runs its task: the user's mistakes become one sentence, ours keep their stack trace."""
 
+import errno
 import logging
 import os
 import sys
@@ -14,11 +15,15 @@ USER_ERROR_STATUS = 2
 
 
 def find_user_error(error: BaseException | None) -> UserError | None:
-    """The first `UserError` along an exception's chain of causes (Hydra wraps what a constructor raises)."""
+    """The first mistake of the user's along an exception's chain of causes (Hydra wraps what a constructor raises)."""
     seen: set[int] = set()
     while error is not None and id(error) not in seen:
         if isinstance(error, UserError):
             return error
+        if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+            return UserError(
+                "The disk is full: free some space, then run the same command again; it goes on from there."
+            )
         seen.add(id(error))
         error = error.__cause__ or error.__context__
     return None
