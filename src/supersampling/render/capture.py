@@ -105,6 +105,7 @@ def _render_parts(spec: CaptureSpec, parts: Path, scene: Scene | None) -> tuple[
     scene = scene or load_scene(spec.scene)
     parts.mkdir(exist_ok=True)
     missing = [k for k in range(spec.clips) if not (parts / f"{k:04d}.npz").exists()]
+    takes = choose(scene, spec, missing)
     with Renderer(scene) as renderer:
         _same_renderer(parts, renderer.gl_renderer)
         label = f"render {spec.scene} {spec.split}"
@@ -114,8 +115,7 @@ def _render_parts(spec: CaptureSpec, parts: Path, scene: Scene | None) -> tuple[
         ) as bar:
             started = time.monotonic()
             for clip in missing:
-                take = choose(renderer, scene, spec, clip)
-                _save_part(parts / f"{clip:04d}.npz", render_clip(renderer, spec, take, bar.update))
+                _save_part(parts / f"{clip:04d}.npz", render_clip(renderer, spec, takes[clip], bar.update))
                 seconds = (time.monotonic() - started) / max(bar.n - done, 1)
                 bar.set_postfix_str(f"{seconds:.2f} s a frame")
         return renderer.gl_renderer, scene.attribution
