@@ -99,7 +99,9 @@ def training_figure(found: Sequence[Method], store: Store, path: Path) -> int:
                 for seed, points in enumerate(line for line in lines if line):
                     steps, values = zip(*points)
                     name = label if seed == 0 else None
-                    ax.plot(np.array(steps), np.array(values), color=COLOURS[index], alpha=0.8, label=name)
+                    ax.plot(
+                        np.array(steps), np.array(values), ".-", color=COLOURS[index], alpha=0.8, label=name
+                    )
         axes[0].set_yscale("log")
         for ax, title in zip(axes, ("training loss", "validation PSNR (dB)")):
             ax.set_ylabel(title)

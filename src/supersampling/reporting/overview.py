@@ -44,8 +44,13 @@ def methods(runs: Sequence[Run], paper: Paper) -> list[Method]:
     for model in sorted({run.model for run in runs}):
         groups = configurations(run for run in runs if run.model == model)
         leader = _leader(groups, paper)
+        thetas = {settings(group[0]).get("loss.theta") for group in groups}
         for group in sorted(groups, key=lambda group: (group is not leader, _label(group[0], leader[0]))):
-            found.append(Method(_label(group[0], leader[0]), one_per_seed(group), group is leader))
+            label = _label(group[0], leader[0])
+            own = settings(group[0]).get("loss.theta")
+            if group is leader and own is not None and len(thetas) > 1:
+                label += f", loss.theta={own}"  # the leading theta would be left unsaid
+            found.append(Method(label, one_per_seed(group), group is leader))
     return sorted(
         found, key=lambda method: (not method.classical, method.classical and method.average("test/psnr"))
     )
