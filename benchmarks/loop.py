@@ -18,6 +18,7 @@ import torch
 from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 from omegaconf import DictConfig
+from torch.utils.data import DataLoader
 
 ROOT = Path(__file__).resolve().parents[1]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
@@ -117,7 +118,7 @@ def measure(cfg: DictConfig) -> None:
     for _ in range(3):
         bare += bare_loop(cfg, alone)[0]
         loaders = batches(cfg, files, workers=0)
-        loaders.train_dataloader = lambda: alone  # type: ignore[method-assign]
+        loaders.train_dataloader = lambda: DataLoader(alone, batch_size=None)  # type: ignore[method-assign]
         ours += lightning_loop(cfg, loaders)
     overhead = statistics.median(ours) / statistics.median(bare) - 1.0
     print(
