@@ -87,9 +87,7 @@ def _best(scout: Renderer, scene: Scene, spec: CaptureSpec, clip: int) -> Take:
         window = Window(*spec.frame, take.window.x, take.window.y, width, height)
         looks = []
         for moment in (spec.frames // 4, 3 * spec.frames // 4):
-            shot = replace(
-                take.shot(max(min(moment, spec.frames - 1), 1) if spec.frames > 1 else 0), window=window
-            )
+            shot = replace(take.shot(min(max(moment, 1), spec.frames - 1)), window=window)
             looks.append(interest(scout.low(shot, 4, (0.0, 0.0), -2.0, _ALL), 4))
         scores.append(float(np.mean(looks)))
     return takes[int(np.argmax(scores))]
