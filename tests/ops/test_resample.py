@@ -2,16 +2,12 @@ import math
 
 import pytest
 import torch
-import torch.nn.functional as F
 
 from supersampling.errors import UserError
 from supersampling.ops.resample import (
-    check_cubic,
     check_scale,
     gaussian_upsample,
     jitter_aligned_upsample,
-    sample_bicubic5,
-    sample_bicubic9,
     upsample_motion,
     zero_upsample,
 )
@@ -112,59 +108,7 @@ def test_gaussian_reconstruction_survives_underflow():
     assert result.max() <= image.max()
 
 
-def cubic_kernel(t, a):
-    """Keys 1981, eq 15, with the free parameter left in."""
-    t = abs(t)
-    if t <= 1.0:
-        return (a + 2) * t**3 - (a + 3) * t**2 + 1
-    return a * t**3 - 5 * a * t**2 + 8 * a * t - 4 * a if t < 2.0 else 0.0
-
-
-def bicubic_by_loops(image, grid, a, drop_corners):
-    _, c, height, width = image.shape
-    result = torch.zeros(c, *grid.shape[:2], dtype=image.dtype)
-    for i in range(grid.shape[0]):
-        for j in range(grid.shape[1]):
-            x = (grid[i, j, 0].item() + 1) * width / 2 - 0.5
-            y = (grid[i, j, 1].item() + 1) * height / 2 - 0.5
-            total = 0.0
-            for dy in range(-1, 3):
-                for dx in range(-1, 3):
-                    if drop_corners and dx in (-1, 2) and dy in (-1, 2):
-                        continue
-                    column, row = math.floor(x) + dx, math.floor(y) + dy
-                    weight = cubic_kernel(x - column, a) * cubic_kernel(y - row, a)
-                    total += weight
-                    row, column = min(max(row, 0), height - 1), min(max(column, 0), width - 1)
-                    result[:, i, j] += weight * image[0, :, row, column]
-            result[:, i, j] /= total
-    return result
-
-
-@pytest.mark.parametrize("a", [-0.75, -0.5, -1.0, 0.0])
-@pytest.mark.parametrize(("height", "width"), [(5, 7), (1, 1)])
-def test_bicubic_kernels_equal_the_loops(a, height, width):
-    image = torch.rand(1, 2, height, width, dtype=torch.float64)
-    grid = torch.rand(6, 5, 2, dtype=torch.float64) * 2.6 - 1.3
-    nine, five = sample_bicubic9(image, grid[None], a)[0], sample_bicubic5(image, grid[None], a)[0]
-    torch.testing.assert_close(nine, bicubic_by_loops(image, grid, a, drop_corners=False))
-    torch.testing.assert_close(five, bicubic_by_loops(image, grid, a, drop_corners=True))
-
-
-def test_nine_fetches_meet_grid_sample_at_its_own_parameter():
-    image, grid = torch.rand(2, 4, 9, 11), torch.rand(2, 8, 8, 2) * 2.4 - 1.2
-    ours = sample_bicubic9(image, grid, -0.75 + 1e-9)
-    theirs = F.grid_sample(image, grid, mode="bicubic", padding_mode="border", align_corners=False)
-    torch.testing.assert_close(ours, theirs, rtol=0, atol=5e-6)
-
-
 @pytest.mark.parametrize("scale", [0, -2, 1.5])
 def test_a_scale_that_is_none_is_refused(scale):
     with pytest.raises(UserError, match=str(scale)):
         check_scale(scale)
-
-
-@pytest.mark.parametrize("a", [0.5, -1.5, float("nan")])
-def test_a_cubic_parameter_out_of_range_is_refused(a):
-    with pytest.raises(UserError, match=str(a)):
-        check_cubic(a)

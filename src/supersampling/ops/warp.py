@@ -6,7 +6,8 @@ from collections.abc import Callable
 import torch
 from torch import Tensor
 
-from supersampling.ops.resample import pixel_centres, sample_bilinear
+from supersampling.ops.interpolate import sample_bilinear
+from supersampling.ops.resample import pixel_centres
 
 
 def sampling_grid(motion: Tensor) -> Tensor:

@@ -7,7 +7,7 @@ from typing import final
 
 from torch import Tensor, nn
 
-from supersampling.ops.resample import (
+from supersampling.ops.interpolate import (
     TORCH_CUBIC,
     check_cubic,
     sample_bicubic5,
