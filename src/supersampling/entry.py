@@ -3,6 +3,7 @@
 import errno
 import logging
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Callable
@@ -30,8 +31,9 @@ def find_user_error(error: BaseException | None) -> UserError | None:
 
 
 def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
-    """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2."""
+    """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2; Ctrl-C and SIGTERM end it with 130."""
     _quiet()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         task(cfg)
     except KeyboardInterrupt:

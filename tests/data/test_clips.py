@@ -23,6 +23,17 @@ def test_items_have_the_cut_and_depend_on_their_index_alone(make_file, tmp_path)
         assert torch.equal(value, again[name])
 
 
+def test_clips_in_memory_and_clips_on_disk_are_the_same(make_file, tmp_path):
+    path = make_file(tmp_path, clips=3)
+    in_memory, on_disk = (
+        WindowDataset([path], Cut(crop=32, frames=5, targets=3), ALL, PLAIN, seed=1, held=held)
+        for held in (1 << 30, 0)
+    )
+    for index in range(4):
+        for name, value in on_disk[index].items():
+            assert torch.equal(value, in_memory[index][name])
+
+
 def test_input_and_target_windows_show_the_same_place(make_file, tmp_path):
     """A still pattern: the low sample at jitter j is the target's pixel at floor((j + 0.5) * scale), nearly."""
     data = WindowDataset([make_file(tmp_path)], Cut(crop=32, frames=1, targets=1), ALL, PLAIN, seed=0)

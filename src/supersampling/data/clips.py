@@ -14,6 +14,8 @@ from supersampling.data.store import Store, spec_of
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
+HELD = 1 << 30  # bytes of clips that a reading process may keep in memory
+
 
 @dataclass(frozen=True)
 class Cut:
@@ -27,21 +29,29 @@ class Cut:
 class WindowDataset(Dataset[dict[str, Tensor]]):
     """Random windows of random sub-sequences; item ``k`` depends on ``seed`` and ``k`` alone, so that any run can resume.
 
-    Items hold the ``requires`` buffers as ``(T, C, h, w)`` and ``target`` as ``(cut.targets, 3, H, W)``.
+    Items hold the ``requires`` buffers as ``(T, C, h, w)`` and ``target`` as ``(cut.targets, 3, H, W)``. Files that fit into
+    ``held`` bytes together are kept in memory, larger ones are read window by window.
 
     Raises:
         UserError: the clips are smaller or shorter than the cut.
     """
 
     def __init__(
-        self, paths: Sequence[Path], cut: Cut, requires: frozenset[str], augment: Augment, seed: int
+        self,
+        paths: Sequence[Path],
+        cut: Cut,
+        requires: frozenset[str],
+        augment: Augment,
+        seed: int,
+        held: int = HELD,
     ) -> None:
         self._paths = [Path(p) for p in paths]
         self._stores: list[Store] | None = None  # opened in the process that reads
         self._cut = cut
-        self._requires = requires
+        self._names = sorted(requires | {"target"})
         self._augment = augment
         self._seed = seed
+        self._held = held
         specs = [spec_of(path) for path in self._paths]
         self._clips = [(k, c) for k, spec in enumerate(specs) for c in range(spec.clips)]
         for path, spec in zip(self._paths, specs):
@@ -55,7 +65,7 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
 
     def __getitem__(self, index: int) -> dict[str, Tensor]:
         if self._stores is None:
-            self._stores = [Store(path) for path in self._paths]
+            self._stores = self._open()
         rng = np.random.default_rng((self._seed, index))
         which, clip = self._clips[rng.integers(len(self._clips))]
         store = self._stores[which]
@@ -69,11 +79,18 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         x, y = int(rng.integers(width - side + 1)), int(rng.integers(height - side + 1))
         low, high = (x, y, side, side), tuple(n * spec.scale for n in (x, y, side, side))
         item = {}
-        for name in sorted(self._requires | {"target"}):
+        for name in self._names:
             is_target = BUFFERS[name].resolution == "high"
             frames = slice(stop - cut.targets, stop) if is_target else slice(start, stop)
             item[name] = store.read(name, clip, frames, high if is_target else low)  # type: ignore[arg-type]
         return {name: torch.from_numpy(values) for name, values in self._augment(item, rng).items()}
+
+    def _open(self) -> list[Store]:
+        stores = [Store(path) for path in self._paths]
+        if sum(store.size(self._names) for store in stores) <= self._held:
+            for store in stores:
+                store.hold(self._names)
+        return stores
 
 
 class FreshIndices(Sampler[int]):

@@ -6,7 +6,7 @@ hold all that is needed to trust the arrays: see `describe`.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -97,6 +97,7 @@ class Store:
             raise UserError(
                 f"{path} is truncated or not an HDF5 file: delete it, and it will be rendered again."
             ) from error
+        self._held: dict[str, NDArray[Any]] = {}
         self.spec = self._read_spec()
         self.fingerprint = str(self._file.attrs["fingerprint"])
 
@@ -135,7 +136,7 @@ class Store:
         ``window`` is ``(x, y, width, height)`` in the buffer's own pixels. Motion stays in units of the *returned* image,
         so that ``previous_uv = uv + motion`` holds in a crop as it does in the whole.
         """
-        data = self._file[name]
+        data = self._held.get(name, self._file[name])
         first, stop, _ = frames.indices(self.spec.frames)
         if BUFFERS[name].resolution == "high":
             offset = self.spec.frames - self.spec.targets
@@ -149,6 +150,14 @@ class Store:
         if name == "motion":
             values = values * np.array((width / w, height / h), dtype=np.float32)
         return np.ascontiguousarray(values.transpose(0, 3, 1, 2))
+
+    def size(self, names: Iterable[str]) -> int:
+        """Bytes that these buffers take in memory."""
+        return sum(self._file[name].nbytes for name in names)
+
+    def hold(self, names: Iterable[str]) -> None:
+        """Keep whole buffers in memory: a window then costs a copy instead of a read and a decompression a frame."""
+        self._held = {name: self._file[name][()] for name in names}
 
     def close(self) -> None:
         self._file.close()

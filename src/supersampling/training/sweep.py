@@ -1,5 +1,6 @@
 """A multirun is one parent run: a Hydra callback that begins it before the jobs and ends it after them."""
 
+import atexit
 import os
 from typing import Any
 
@@ -8,7 +9,10 @@ from omegaconf import DictConfig
 
 
 class ParentRun(Callback):
-    """Begins an MLflow parent run for a multirun and hands its id to the jobs through the environment."""
+    """Begins an MLflow parent run for a multirun and hands its id to the jobs through the environment.
+
+    Hydra calls nothing when a job stops the sweep; the run is then ended as KILLED when the process exits.
+    """
 
     def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
         from supersampling.entry import run
@@ -22,11 +26,15 @@ class ParentRun(Callback):
         overrides = [str(o) for o in config.hydra.overrides.task]
         name = "sweep " + (" ".join(overrides) or "(no overrides)")
         os.environ[PARENT_VARIABLE] = experiment_of(config).start(name[:240], {"ss.kind": "sweep"}, None)
+        atexit.register(self._end, config, "KILLED")
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
+        self._end(config, "FINISHED")
+
+    def _end(self, config: DictConfig, status: str) -> None:
         from supersampling.training.job import experiment_of
         from supersampling.training.tracking import PARENT_VARIABLE
 
         run_id = os.environ.pop(PARENT_VARIABLE, None)
         if run_id is not None:
-            experiment_of(config).finish(run_id)
+            experiment_of(config).finish(run_id, status)
