@@ -45,6 +45,7 @@ check: $(INSTALLED)
 
 bench: setup
 	$(BIN)/python benchmarks/loop.py
+	$(BIN)/python benchmarks/gradient.py
 	$(BIN)/python benchmarks/render.py
 
 clean:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.render.camera import Camera, Shot, Window
+from supersampling.render.renderer import Renderer
 from supersampling.render.scene import Material, Mesh, Object, Scene, Sky, Sun
 
 Points = NDArray[np.float64]
@@ -131,3 +132,23 @@ def scene(
     objects = [Object((i,), place) for i, place in enumerate(places)]
     values: dict[str, object] = {"sky": DARK, "near": 0.5, "far": 50.0}
     return Scene("analytic", materials, meshes, objects, (), sun=sun, **(values | more))  # type: ignore[arg-type]
+
+
+FRAME = whole(96, 96)
+UP = np.array([0.0, 1.0, 0.0])
+DOWN = turn(0.0, -np.pi / 2)
+MATTE = Material("matte", roughness=1.0, double_sided=True)
+
+
+def bright(world: Scene, view: Camera, seconds: float = 0.0, shadow_size: int = 1024) -> np.ndarray:
+    with Renderer(world, shadow_size) as draw:
+        return draw.low(still(view, FRAME, seconds), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"][
+            ..., 1
+        ]
+
+
+def floor_points(view: Camera) -> np.ndarray:
+    """World points of the floor y = 0 under the pixels, NaN where none."""
+    ray = rays(view, FRAME, pixel_points(FRAME, 1, (0.0, 0.0)))
+    t = hit(eye(view), ray, np.zeros(3), UP)
+    return np.where((t > 0)[..., None], eye(view) + t[..., None] * ray, np.nan)

@@ -71,15 +71,19 @@ def choose(scene: Scene, spec: CaptureSpec, clips: list[int]) -> dict[int, Take]
 
     Looks need no fine shadows, and a new place costs a new shadow map: small ones make this up to thirty times faster.
     """
+    proposals = {clip: _proposals(scene, spec, clip) for clip in clips}
+    if spec.candidates <= 1 or not clips:
+        return {clip: takes[0] for clip, takes in proposals.items()}
     with Renderer(scene, shadow_size=SCOUT_SHADOWS) as scout:
-        return {clip: _best(scout, scene, spec, clip) for clip in clips}
+        return {clip: _best(scout, spec, takes) for clip, takes in proposals.items()}
 
 
-def _best(scout: Renderer, scene: Scene, spec: CaptureSpec, clip: int) -> Take:
+def _proposals(scene: Scene, spec: CaptureSpec, clip: int) -> list[Take]:
     rng = np.random.default_rng((spec.seed, crc32(f"{spec.scene}/{spec.split}".encode()), clip))
-    takes = [propose(scene, spec, rng) for _ in range(max(spec.candidates, 1))]
-    if len(takes) == 1:
-        return takes[0]
+    return [propose(scene, spec, rng) for _ in range(max(spec.candidates, 1))]
+
+
+def _best(scout: Renderer, spec: CaptureSpec, takes: list[Take]) -> Take:
     scores = []
     for take in takes:
         # Judged at a quarter of the window's resolution, at a moment when every pace is still in motion or already is.
