@@ -7,6 +7,7 @@ import torch.nn.functional as F
 
 from supersampling.data.augment import Symmetries
 from supersampling.data.clips import Cut, WindowDataset
+from supersampling.data.pick import Uniform
 
 ALL = frozenset({"color", "depth", "motion", "jitter"})
 
@@ -30,7 +31,7 @@ def misfit(item: dict[str, torch.Tensor]) -> tuple[float, float]:
 
 @pytest.fixture
 def items(make_file, tmp_path):
-    data = WindowDataset([make_file(tmp_path, clips=4)], Cut(32, 6, 3), ALL, Symmetries(), seed=3)
+    data = WindowDataset([make_file(tmp_path, clips=4)], Cut(32, 6, 3), ALL, Uniform(), Symmetries(), seed=3)
     return [data[k] for k in range(24)]
 
 

@@ -4,21 +4,23 @@ import torch
 
 from supersampling.data.augment import NoAugmentation
 from supersampling.data.clips import Cut, FreshIndices, WholeClips, WindowDataset
+from supersampling.data.pick import Uniform
 from supersampling.errors import UserError
 
 PLAIN = NoAugmentation()
+UNIFORM = Uniform()
 ALL = frozenset({"color", "depth", "motion", "jitter"})
 
 
 def test_items_have_the_cut_and_depend_on_their_index_alone(make_file, tmp_path):
     path = make_file(tmp_path)
-    data = WindowDataset([path], Cut(crop=32, frames=6, targets=3), ALL, PLAIN, seed=1)
+    data = WindowDataset([path], Cut(crop=32, frames=6, targets=3), ALL, UNIFORM, PLAIN, seed=1)
     item = data[17]
     assert item["color"].shape == (6, 3, 8, 8)
     assert item["jitter"].shape == (6, 2)
     assert item["target"].shape == (3, 3, 32, 32)
     data[3]
-    again = WindowDataset([path], Cut(crop=32, frames=6, targets=3), ALL, PLAIN, seed=1)[17]
+    again = WindowDataset([path], Cut(crop=32, frames=6, targets=3), ALL, UNIFORM, PLAIN, seed=1)[17]
     for name, value in item.items():
         assert torch.equal(value, again[name])
 
@@ -26,7 +28,7 @@ def test_items_have_the_cut_and_depend_on_their_index_alone(make_file, tmp_path)
 def test_clips_in_memory_and_clips_on_disk_are_the_same(make_file, tmp_path):
     path = make_file(tmp_path, clips=3)
     in_memory, on_disk = (
-        WindowDataset([path], Cut(crop=32, frames=5, targets=3), ALL, PLAIN, seed=1, held=held)
+        WindowDataset([path], Cut(crop=32, frames=5, targets=3), ALL, UNIFORM, PLAIN, seed=1, held=held)
         for held in (1 << 30, 0)
     )
     for index in range(4):
@@ -36,7 +38,9 @@ def test_clips_in_memory_and_clips_on_disk_are_the_same(make_file, tmp_path):
 
 def test_input_and_target_windows_show_the_same_place(make_file, tmp_path):
     """A still pattern: the low sample at jitter j is the target's pixel at floor((j + 0.5) * scale), nearly."""
-    data = WindowDataset([make_file(tmp_path)], Cut(crop=32, frames=1, targets=1), ALL, PLAIN, seed=0)
+    data = WindowDataset(
+        [make_file(tmp_path)], Cut(crop=32, frames=1, targets=1), ALL, UNIFORM, PLAIN, seed=0
+    )
     for index in range(5):
         item = data[index]
         x, y = torch.floor((item["jitter"][0] + 0.5) * 4).int().tolist()
@@ -45,16 +49,16 @@ def test_input_and_target_windows_show_the_same_place(make_file, tmp_path):
 
 
 def test_only_what_is_required_is_read(make_file, tmp_path):
-    data = WindowDataset([make_file(tmp_path)], Cut(32, 4, 2), frozenset({"color"}), PLAIN, seed=0)
+    data = WindowDataset([make_file(tmp_path)], Cut(32, 4, 2), frozenset({"color"}), UNIFORM, PLAIN, seed=0)
     assert set(data[0]) == {"color", "target"}
 
 
 def test_a_cut_that_does_not_fit_says_so(make_file, tmp_path):
     path = make_file(tmp_path)
     with pytest.raises(UserError, match="budget.crop=64"):
-        WindowDataset([path], Cut(64, 4, 2), ALL, PLAIN, seed=0)
+        WindowDataset([path], Cut(64, 4, 2), ALL, UNIFORM, PLAIN, seed=0)
     with pytest.raises(UserError, match="budget.frames=9"):
-        WindowDataset([path], Cut(32, 9, 2), ALL, PLAIN, seed=0)
+        WindowDataset([path], Cut(32, 9, 2), ALL, UNIFORM, PLAIN, seed=0)
 
 
 def test_no_epoch_repeats_an_index():

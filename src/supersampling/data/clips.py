@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset, Sampler
 
 from supersampling.data.augment import Augment
+from supersampling.data.pick import Pick, Place
 from supersampling.data.store import Store, spec_of
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
@@ -41,6 +43,7 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         paths: Sequence[Path],
         cut: Cut,
         requires: frozenset[str],
+        pick: Pick,
         augment: Augment,
         seed: int,
         held: int = HELD,
@@ -49,12 +52,13 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         self._stores: list[Store] | None = None  # opened in the process that reads
         self._cut = cut
         self._names = sorted(requires | {"target"})
+        self._pick = pick
         self._augment = augment
         self._seed = seed
         self._held = held
-        specs = [spec_of(path) for path in self._paths]
-        self._clips = [(k, c) for k, spec in enumerate(specs) for c in range(spec.clips)]
-        for path, spec in zip(self._paths, specs):
+        self._specs = [spec_of(path) for path in self._paths]
+        self._clips = [(k, c) for k, spec in enumerate(self._specs) for c in range(spec.clips)]
+        for path, spec in zip(self._paths, self._specs):
             if min(spec.target_size) < cut.crop or spec.frames < cut.frames or spec.targets < cut.targets:
                 size = "x".join(map(str, spec.target_size))
                 raise UserError(
@@ -67,23 +71,32 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         if self._stores is None:
             self._stores = self._open()
         rng = np.random.default_rng((self._seed, index))
-        which, clip = self._clips[rng.integers(len(self._clips))]
-        store = self._stores[which]
-        spec, cut = store.spec, self._cut
+        place = self._pick(lambda: self._propose(rng), self._motion)
+        item = {name: self._read(name, place) for name in self._names}
+        return {name: torch.from_numpy(values) for name, values in self._augment(item, rng).items()}
+
+    def _propose(self, rng: np.random.Generator) -> Place:
+        file, clip = self._clips[rng.integers(len(self._clips))]
+        spec, cut = self._specs[file], self._cut
         # The last cut.targets frames need targets, which the clip's first frames may lack.
         earliest = max(spec.frames - spec.targets + cut.targets, cut.frames)
         stop = int(rng.integers(earliest, spec.frames + 1))
-        start = stop - cut.frames
         width, height = (n // spec.scale for n in spec.target_size)
         side = cut.crop // spec.scale
         x, y = int(rng.integers(width - side + 1)), int(rng.integers(height - side + 1))
-        low, high = (x, y, side, side), tuple(n * spec.scale for n in (x, y, side, side))
-        item = {}
-        for name in self._names:
-            is_target = BUFFERS[name].resolution == "high"
-            frames = slice(stop - cut.targets, stop) if is_target else slice(start, stop)
-            item[name] = store.read(name, clip, frames, high if is_target else low)  # type: ignore[arg-type]
-        return {name: torch.from_numpy(values) for name, values in self._augment(item, rng).items()}
+        return Place(file, clip, stop, x, y)
+
+    def _read(self, name: str, place: Place) -> NDArray[np.float32]:
+        scale, cut = self._specs[place.file].scale, self._cut
+        side = cut.crop // scale
+        window, frames = (place.x, place.y, side, side), cut.frames
+        if BUFFERS[name].resolution == "high":
+            window, frames = (place.x * scale, place.y * scale, side * scale, side * scale), cut.targets
+        assert self._stores is not None
+        return self._stores[place.file].read(name, place.clip, slice(place.stop - frames, place.stop), window)
+
+    def _motion(self, place: Place) -> NDArray[np.float32]:
+        return self._read("motion", place).transpose(0, 2, 3, 1) * self._cut.crop
 
     def _open(self) -> list[Store]:
         stores = [Store(path) for path in self._paths]

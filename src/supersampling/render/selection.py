@@ -6,6 +6,7 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from supersampling.data.pick import motion_edges
 from supersampling.data.spec import CaptureSpec
 from supersampling.render.camera import Shot, Window
 from supersampling.render.paths import CameraPath, camera_path, routes_of
@@ -49,17 +50,15 @@ def propose(scene: Scene, spec: CaptureSpec, rng: np.random.Generator) -> Take:
 def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
     """How much a low-resolution frame has to show, in [0, 1]: fine detail, motion, and motion edges (disocclusions).
 
-    Detail is the mean absolute difference of neighbouring pixels, enough at 0.1; a motion edge is a pixel whose motion
-    differs from a neighbour's by over half a target pixel, enough at 6% of them. Speeds beyond 16 target pixels a frame and
+    Detail is the mean absolute difference of neighbouring pixels, enough at 0.1; motion edges, enough at 6% of the
+    pixels. Speeds beyond 16 target pixels a frame and
     edges in over 30% of the pixels (a mesh fence that fills the window) count ever less: no history is of use there.
     """
     grey = low["color"].mean(axis=2)
     detail = float(np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean())
     height, width = grey.shape
     pixels = low["motion"] * np.array((width, height), dtype=np.float32) * scale
-    edges_x = np.linalg.norm(np.diff(pixels, axis=1), axis=2) > 0.5
-    edges_y = np.linalg.norm(np.diff(pixels, axis=0), axis=2) > 0.5
-    edges = float(edges_x.mean() + edges_y.mean()) / 2.0
+    edges = motion_edges(pixels)
     speed = np.linalg.norm(pixels, axis=2)
     moving = float((speed > 0.25).mean())
     calm = 1.0 / (1.0 + (float(speed.mean()) / 16.0) ** 2) / (1.0 + (edges / 0.3) ** 2)

@@ -25,7 +25,7 @@ def _without(tree: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
 
 
 # Nor can these change the result of a classical method, which is not trained.
-ONLY_LEARNED = ("loss", "augment", "optimizer", "budget", "trainer", "seed")
+ONLY_LEARNED = ("loss", "pick", "augment", "optimizer", "budget", "trainer", "seed")
 
 
 def identity(cfg: DictConfig, fingerprints: Mapping[str, str], learned: bool) -> str:
