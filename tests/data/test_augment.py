@@ -5,9 +5,10 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from supersampling.data.augment import Symmetries
+from supersampling.data.augment import Colours, Symmetries
 from supersampling.data.clips import Cut, WindowDataset
 from supersampling.data.pick import Uniform
+from supersampling.errors import UserError
 
 ALL = frozenset({"color", "depth", "motion", "jitter"})
 
@@ -61,3 +62,25 @@ def test_all_symmetries_occur(items):
     seen = [Symmetries()(item, rng) for _ in range(300)]
     assert len({tuple(s["motion"][0, :, 0, 0].tolist()) for s in seen}) == 8
     assert len({tuple(s["color"][0, :, 0, 0].tolist()) for s in seen}) == 6
+
+
+def test_colours_change_order_and_brightness_of_input_and_target_alike():
+    rng = np.random.default_rng(0)
+    made = np.array((1.0, 0.5, 0.25), np.float32)[None, :, None, None] * np.ones((2, 3, 4, 4), np.float32)
+    item = {"color": made, "target": made, "depth": made[:, :1]}
+    seen = [Colours(0.5)(item, rng) for _ in range(200)]
+    for one in seen:
+        np.testing.assert_array_equal(one["color"], one["target"])
+        np.testing.assert_array_equal(one["depth"], item["depth"])
+        ratio = np.sort(one["color"][0, :, 0, 0]) / np.array((0.25, 0.5, 1.0))
+        np.testing.assert_allclose(ratio, ratio[0], rtol=1e-6)
+    gains = [one["color"].max() for one in seen]
+    assert 0.5 <= min(gains) < 0.55
+    assert 0.95 < max(gains) <= 1.0
+    assert len({tuple(np.argsort(one["color"][0, :, 0, 0])) for one in seen}) == 6
+
+
+@pytest.mark.parametrize("darkest", [0.0, 1.5])
+def test_an_impossible_gain_is_refused(darkest):
+    with pytest.raises(UserError, match=f"augment.darkest must lie in .0, 1., got {darkest}"):
+        Colours(darkest)

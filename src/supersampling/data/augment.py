@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
+from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
 Item = Mapping[str, NDArray[np.float32]]
@@ -25,6 +26,29 @@ class NoAugmentation(Augment):
 
     def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]:
         return dict(item)
+
+
+@final
+class Colours(Augment):
+    """One of the six orders of the colour channels and a gain, drawn for the whole sample.
+
+    Upsampling is linear in display-referred colour, so that a darker sample is as true as the rendered one.
+
+    Args:
+        darkest: the smallest gain, in (0, 1]; 1 keeps the brightness.
+    """
+
+    def __init__(self, darkest: float) -> None:
+        if not 0.0 < darkest <= 1.0:
+            raise UserError(f"augment.darkest must lie in (0, 1], got {darkest}; 0.4 is the default.")
+        self.darkest = darkest
+
+    def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]:
+        order, gain = rng.permutation(3), np.float32(rng.uniform(self.darkest, 1.0))
+        return {
+            name: values[:, order] * gain if name in ("color", "target") else values
+            for name, values in item.items()
+        }
 
 
 @final

@@ -7,7 +7,7 @@ from torch import nn
 from torch.optim import Optimizer
 
 
-def muon(parameters: Iterable[nn.Parameter], lr: float) -> Optimizer:
+def muon(parameters: Iterable[nn.Parameter], lr: float, momentum: float = 0.9) -> Optimizer:
     """Muon for weights, Adam for biases and other vectors, at one learning rate.
 
     A convolution's weight counts as the matrix (outputs, inputs x taps). Its step is as long as Adam's would be
@@ -18,4 +18,4 @@ def muon(parameters: Iterable[nn.Parameter], lr: float) -> Optimizer:
     matrices = {"params": [p for p in trained if p.ndim >= 2], "use_muon": True}
     vectors = {"params": [p for p in trained if p.ndim < 2], "use_muon": False}
     groups = [group for group in (matrices, vectors) if group["params"]]
-    return Muon(groups, lr=lr, adamw_lr=lr, adamw_betas=(0.9, 0.99), use_adjusted_lr=True)
+    return Muon(groups, lr=lr, momentum=momentum, adamw_lr=lr, adamw_betas=(0.9, 0.99), use_adjusted_lr=True)
