@@ -1,6 +1,6 @@
 """What training spends besides computing: waiting for data, the loop's own overhead, start-up.
 
-    python benchmarks/loop.py                 the default data and the laptop budget
+    python benchmarks/loop.py                 the default data and budget
     python benchmarks/loop.py scene=atrium    any overrides of train.py
 
 Prints medians over steps, for as many processor threads as train.py would use. Speed is measured here, never in a test.

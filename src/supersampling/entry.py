@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from omegaconf import DictConfig
 
-from supersampling.errors import UserError
+from supersampling.errors import UserError, was_interrupted
 
 USER_ERROR_STATUS = 2
 
@@ -36,10 +36,10 @@ def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         task(cfg)
-    except KeyboardInterrupt:
-        sys.stderr.write("\nInterrupted: the same command goes on from here.\n")
-        sys.exit(130)
-    except Exception as error:
+    except (Exception, KeyboardInterrupt, SystemExit) as error:
+        if was_interrupted(error):
+            sys.stderr.write("\nInterrupted: the same command goes on from here.\n")
+            sys.exit(130)
         user_error = find_user_error(error)
         if user_error is None:
             raise

@@ -50,10 +50,7 @@ def fit(
         callbacks=[timer, ModelCheckpoint(folder, save_last=True, save_top_k=0, every_n_epochs=1)],
     )
     loaders = make_loaders(cfg, files, model, loss)
-    try:
-        trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
-    except SystemExit as stop:  # what Lightning makes of an interrupt, and of SIGTERM
-        raise KeyboardInterrupt from stop
+    trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
     experiment.restart(run_id, None)  # Lightning's logger has ended the run, which is still to be scored
     experiment.log_metrics(run_id, {"train/minutes": timer.time_elapsed("train") / 60.0})
     experiment.client.log_artifact(run_id, str(last), "checkpoint")

@@ -17,6 +17,7 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 
 from supersampling.data.module import Source, fingerprint
 from supersampling.data.spec import SPLITS
+from supersampling.errors import was_interrupted
 from supersampling.models.base import Upsampler
 from supersampling.training.check import check_numbers
 from supersampling.training.crops import save_crops, strip
@@ -103,11 +104,8 @@ class Job:
                 else self._classical(run_id)
             )
             self._score(model, run_id)
-        except KeyboardInterrupt:
-            self.experiment.finish(run_id, "KILLED")
-            raise
-        except BaseException:
-            self.experiment.finish(run_id, "FAILED")
+        except BaseException as error:
+            self.experiment.finish(run_id, "KILLED" if was_interrupted(error) else "FAILED")
             raise
         self.experiment.finish(run_id)
 
