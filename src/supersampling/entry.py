@@ -10,23 +10,20 @@ from collections.abc import Callable
 
 from omegaconf import DictConfig
 
-from supersampling.errors import UserError, was_interrupted
+from supersampling.errors import UserError, chain, was_interrupted
 
 USER_ERROR_STATUS = 2
 
 
-def find_user_error(error: BaseException | None) -> UserError | None:
+def find_user_error(error: BaseException) -> UserError | None:
     """The first mistake of the user's along an exception's chain of causes (Hydra wraps what a constructor raises)."""
-    seen: set[int] = set()
-    while error is not None and id(error) not in seen:
-        if isinstance(error, UserError):
-            return error
-        if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+    for one in chain(error):
+        if isinstance(one, UserError):
+            return one
+        if isinstance(one, OSError) and one.errno == errno.ENOSPC:
             return UserError(
                 "The disk is full: free some space, then run the same command again; it goes on from there."
             )
-        seen.add(id(error))
-        error = error.__cause__ or error.__context__
     return None
 
 

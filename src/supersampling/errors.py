@@ -1,5 +1,7 @@
 """The one exception that means: the user can mend this."""
 
+from collections.abc import Iterator
+
 
 class UserError(Exception):
     """A mistake that the user can mend, told in one sentence with the offending value and what to do.
@@ -8,10 +10,15 @@ class UserError(Exception):
     """
 
 
-def was_interrupted(error: BaseException | None) -> bool:
-    """Whether Ctrl-C or SIGTERM began what ended as ``error``: libraries turn it into errors of their own."""
-    while error is not None:
-        if isinstance(error, (KeyboardInterrupt, SystemExit)):
-            return True
+def chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An error and what led to it, each once (libraries wrap what our code raises)."""
+    seen: set[int] = set()
+    while error is not None and id(error) not in seen:
+        yield error
+        seen.add(id(error))
         error = error.__cause__ or error.__context__
-    return False
+
+
+def was_interrupted(error: BaseException) -> bool:
+    """Whether Ctrl-C or SIGTERM began what ended as ``error``: libraries turn it into errors of their own."""
+    return any(isinstance(one, (KeyboardInterrupt, SystemExit)) for one in chain(error))

@@ -51,8 +51,8 @@ def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
     """How much a low-resolution frame has to show, in [0, 1]: fine detail, motion, and motion edges (disocclusions).
 
     Detail is the mean absolute difference of neighbouring pixels, enough at 0.1; motion edges, enough at 6% of the
-    pixels. Speeds beyond 16 target pixels a frame and
-    edges in over 30% of the pixels (a mesh fence that fills the window) count ever less: no history is of use there.
+    pixels. Speeds beyond 16 target pixels a frame and edges in over 30% of the pixels
+    (a mesh fence that fills the window) count ever less: no history is of use there.
     """
     grey = low["color"].mean(axis=2)
     detail = float(np.abs(np.diff(grey, axis=0)).mean() + np.abs(np.diff(grey, axis=1)).mean())
