@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import quantise, write_file
+from supersampling.data.writer import ClipWriter, join_clips
 from supersampling.resolvers import register
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -41,7 +41,7 @@ def analytic_clip(
     velocity: tuple[float, float],
     jitter: NDArray[np.float32],
 ) -> dict[str, NDArray]:
-    """A plane that slides by ``velocity`` target pixels a frame, sampled in closed form: all stored buffers, quantised.
+    """A plane that slides by ``velocity`` target pixels a frame, sampled in closed form: the usual buffers.
 
     The target is the pattern at target pixel centres (it is smooth, so that box filtering changes next to nothing).
     """
@@ -49,11 +49,11 @@ def analytic_clip(
     for t in range(frames):
         dx, dy = velocity[0] * t, velocity[1] * t
         y, x = np.mgrid[0:height, 0:width] + 0.5
-        clip["target"].append(quantise("target", pattern(x - dx, y - dy).astype(np.float32)))
+        clip["target"].append(pattern(x - dx, y - dy).astype(np.float32))
         j = jitter[t % len(jitter)]
         y, x = np.mgrid[0 : height // scale, 0 : width // scale] + 0.5
         color = pattern((x + j[0]) * scale - dx, (y + j[1]) * scale - dy)
-        clip["color"].append(quantise("color", color.astype(np.float32)))
+        clip["color"].append(color.astype(np.float32))
         clip["depth"].append(np.full((*x.shape, 1), 0.5, dtype=np.float32))
         motion = np.array((-velocity[0] / width, -velocity[1] / height), dtype=np.float32)
         clip["motion"].append(np.broadcast_to(motion, (*x.shape, 2)).copy())
@@ -91,12 +91,15 @@ def make_file() -> Callable[..., Path]:
             for _ in range(clips)
         ]
         path = folder / spec.file_name
-        write_file(
-            path,
-            spec,
-            made,
-            {"fingerprint": f"{split}{clips}{frames}{size}{scale}", "renderer": "closed form"},
-        )
+        parts = [folder / f"{split}_{k}.clip" for k in range(clips)]
+        for part, clip in zip(parts, made):
+            with ClipWriter(part, {name: frames for name in clip}) as writer:
+                for name, values in clip.items():
+                    for image in values:
+                        writer.add(name, image)
+        join_clips(path, spec, parts, frozenset(made[0]), {"renderer": "closed form"})
+        for part in parts:
+            part.unlink()
         return path
 
     return make

@@ -2,13 +2,20 @@
 
 Image plane: x right, y down, origin at the top-left corner; pixel ``(i, j)`` has its centre at ``(j + 0.5, i + 0.5)``.
 ``h w`` is the low (rendered) resolution, ``H W = scale * h, scale * w`` the high (target) resolution.
+
+Low-resolution buffers are one sample a pixel at its centre + jitter. Of the high-resolution ones, ``target`` and
+``target_radiance`` are the supersampled reference; ``high_*`` is what a renderer can give at full resolution before any
+light transport (NSRD section 3.1): averaged over the target's samples where an average means something, else (depth, motion,
+normal, object id) one sample at the pixel's centre.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 from torch import Tensor
+
+Kind = Literal["display", "light", "reflectance", "plane", "direction", "scalar", "id"]
 
 
 @dataclass(frozen=True)
@@ -16,7 +23,9 @@ class Buffer:
     """What one buffer holds.
 
     ``resolution`` is ``low`` (``h w``), ``high`` (``H W``) or ``frame`` (one vector a frame, no image axes).
-    ``dtype`` is how a data set stores it; a loader always delivers float32 in ``range``.
+    ``dtype`` is how a data set stores it; a loader always delivers float32 in ``range``. ``kind`` says what a mirror or a
+    change of colours does to it: ``display`` and ``light`` are colours that a gain scales, ``reflectance`` one that it does
+    not, ``plane`` is a vector in the image plane, ``direction`` one whose first two components are.
     """
 
     name: str
@@ -25,37 +34,110 @@ class Buffer:
     dtype: str
     unit: str
     range: str
+    kind: Kind = "scalar"
+
+
+_HALF = "[0, 65504]"
+_SHADING = (
+    Buffer("radiance", 3, "low", "float16", "linear scene radiance times the scene's exposure", _HALF, "light"),
+    Buffer(
+        "depth", 1, "low", "float32", "linear view depth, 0 at the near plane, 1 at the far plane; sky is 1", "[0, 1]"
+    ),
+    Buffer(
+        "motion", 2, "low", "float32",
+        "backward, unjittered (x, y), in units of the whole stored image: previous_uv = uv + motion", "unbounded", "plane",
+    ),
+    Buffer(
+        "normal", 3, "low", "float16",
+        "unit shading normal in the camera's axes: x right, y down, z towards the camera; sky is 0", "[-1, 1]", "direction",
+    ),
+    Buffer("albedo", 3, "low", "float16", "linear base colour c; sky is 0", "[0, 1]", "reflectance"),
+    Buffer("metallic", 1, "low", "float16", "metallic value m; sky is 0", "[0, 1]"),
+    Buffer("roughness", 1, "low", "float16", "perceptual roughness, alpha = roughness^2; sky is 0", "[0, 1]"),
+    Buffer(
+        "specular", 3, "low", "float16", "reflectance at normal incidence F_0 = lerp(0.04, c, m); sky is 0", "[0, 1]",
+        "reflectance",
+    ),
+    Buffer("n_dot_v", 1, "low", "float16", "cosine between shading normal and view direction; sky is 0", "[0, 1]"),
+    Buffer(
+        "material", 3, "low", "float16",
+        "F_beta, the BRDF's integral over the hemisphere (NSRD supplement, equation 11); sky is 0", "[0, 2]", "reflectance",
+    ),
+    Buffer(
+        "emission", 3, "low", "float16",
+        "exposed radiance that passes beside demodulation: emitted light, interface elements, the sky", _HALF, "light",
+    ),
+    Buffer("object_id", 1, "low", "uint16", "number of the scene's object, from 1; sky is 0", "[0, 65535]", "id"),
+)  # fmt: skip
+
+
+def _high(b: Buffer) -> Buffer:
+    return Buffer(f"high_{b.name}", b.channels, "high", b.dtype, b.unit, b.range, b.kind)
 
 
 BUFFERS: dict[str, Buffer] = {
     b.name: b
     for b in (
-        Buffer("color", 3, "low", "uint8", "display-referred sRGB, one sample a pixel at centre + jitter", "[0, 1]"),
-        Buffer("depth", 1, "low", "float32", "linear view depth, 0 at the near plane, 1 at the far plane; sky is 1", "[0, 1]"),
         Buffer(
-            "motion", 2, "low", "float32",
-            "backward, unjittered (x, y), in units of the whole stored image: previous_uv = uv + motion", "unbounded",
+            "color", 3, "low", "uint8", "display-referred sRGB, one sample a pixel at centre + jitter", "[0, 1]", "display"
         ),
-        Buffer("jitter", 2, "frame", "float32", "(x, y) from the pixel centre, low-resolution pixels", "[-0.5, 0.5)"),
-        Buffer("target", 3, "high", "uint8", "display-referred sRGB, supersampled, box-filtered", "[0, 1]"),
+        *_SHADING,
+        Buffer(
+            "motion_dual", 2, "low", "float32",
+            "dual motion vector (NSRD supplement, section 2), as motion; the two are equal where nothing was occluded",
+            "unbounded", "plane",
+        ),
+        Buffer(
+            "jitter", 2, "frame", "float32", "(x, y) from the pixel centre, low-resolution pixels", "[-0.5, 0.5)", "plane"
+        ),
+        Buffer("target", 3, "high", "uint8", "display-referred sRGB, supersampled, box-filtered", "[0, 1]", "display"),
+        Buffer("target_radiance", 3, "high", "float16", "as radiance, supersampled, box-filtered", _HALF, "light"),
+        *(_high(b) for b in _SHADING if b.name != "radiance"),
     )
 }  # fmt: skip
+
+
+def length_of(clip: Mapping[str, Tensor]) -> int:
+    """Frames of a clip whose buffers are ``(B, T, ...)``; high-resolution ones may be there for the last frames only."""
+    return max(values.shape[1] for values in clip.values())
 
 
 @dataclass(frozen=True)
 class Frame:
     """One time step's inputs, float32, batch first; a buffer that nobody asked for is ``None``.
 
-    ``color (B, 3, h, w)``, ``depth (B, 1, h, w)``, ``motion (B, 2, h, w)``, ``jitter (B, 2)``: see `BUFFERS`.
+    Fields are named as in `BUFFERS`: low-resolution ones are ``(B, C, h, w)``, ``jitter`` ``(B, 2)``, ``high_*``
+    ``(B, C, H, W)``. References (``target``, ``target_radiance``) are never among a model's inputs.
     """
 
-    color: Tensor
+    color: Tensor | None = None
+    radiance: Tensor | None = None
     depth: Tensor | None = None
     motion: Tensor | None = None
+    motion_dual: Tensor | None = None
     jitter: Tensor | None = None
+    normal: Tensor | None = None
+    albedo: Tensor | None = None
+    metallic: Tensor | None = None
+    roughness: Tensor | None = None
+    specular: Tensor | None = None
+    n_dot_v: Tensor | None = None
+    material: Tensor | None = None
+    emission: Tensor | None = None
+    object_id: Tensor | None = None
+    high_depth: Tensor | None = None
+    high_motion: Tensor | None = None
+    high_normal: Tensor | None = None
+    high_albedo: Tensor | None = None
+    high_metallic: Tensor | None = None
+    high_roughness: Tensor | None = None
+    high_specular: Tensor | None = None
+    high_n_dot_v: Tensor | None = None
+    high_material: Tensor | None = None
+    high_emission: Tensor | None = None
+    high_object_id: Tensor | None = None
 
     @classmethod
     def of(cls, clip: Mapping[str, Tensor], t: int) -> "Frame":
         """Time step ``t`` of a clip, whose buffers are ``(B, T, ...)``."""
-        names = ("color", "depth", "motion", "jitter")
-        return cls(**{name: clip[name][:, t] for name in names if name in clip})
+        return cls(**{f.name: clip[f.name][:, t] for f in fields(cls) if f.name in clip})

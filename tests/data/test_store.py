@@ -2,7 +2,8 @@ import h5py
 import numpy as np
 import pytest
 
-from supersampling.data.store import Store, quantise, restore
+from supersampling.data.store import Store, restore
+from supersampling.data.writer import quantise
 from supersampling.errors import UserError
 
 

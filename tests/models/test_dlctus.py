@@ -160,7 +160,7 @@ def test_exports_to_a_graph():
             self.model = model
 
         def forward(self, color, depth, motion, jitter, state):
-            return self.model(Frame(color, depth, motion, jitter), state)
+            return self.model(Frame(color=color, depth=depth, motion=motion, jitter=jitter), state)
 
     with torch.no_grad():
         exported = torch.export.export(Step(), (*frame.values(), state)).module()

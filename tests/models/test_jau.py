@@ -25,7 +25,7 @@ def test_each_item_of_a_batch_has_its_own_jitter():
     ramp = (torch.arange(8.0) + 0.5) / 10
     jitter = torch.tensor([[0.25, 0.0], [-0.4, 0.3]])
     color = (ramp + jitter[:, :1] / 10)[:, None, None, :].expand(2, 3, 8, 8)
-    output, _ = JAU(2)(Frame(color, jitter=jitter), None)
+    output, _ = JAU(2)(Frame(color=color, jitter=jitter), None)
     expected = ((torch.arange(16.0) + 0.5) / 20).expand(2, 3, 16, 16)
     torch.testing.assert_close(output[..., 2:-2], expected[..., 2:-2])
 
@@ -33,7 +33,7 @@ def test_each_item_of_a_batch_has_its_own_jitter():
 def test_bicubic_does_not_look_at_jitter_and_stays_in_range():
     step = torch.zeros(1, 3, 4, 8)
     step[..., 4:] = 1.0
-    output, state = Bicubic(4)(Frame(step), None)
+    output, state = Bicubic(4)(Frame(color=step), None)
     assert state is None
     assert output.min() == 0.0
     assert output.max() == 1.0

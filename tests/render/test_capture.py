@@ -9,12 +9,17 @@ from supersampling.data.spec import CaptureSpec
 from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.render import capture
-from supersampling.render.capture import render_file
 from supersampling.render.check import check_spec
+from supersampling.render.pool import render_files
 from supersampling.render.jitter import thesis_4x4
 from supersampling.render.scene import Material, Mesh, Object, Route, Scene, Sky
 
+USUAL = frozenset({"color", "depth", "motion", "jitter", "target"})
 SPEC = CaptureSpec("wall", "train", 3, 4, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)
+
+
+def render_file(spec: CaptureSpec, folder, scene: Scene | None = None, names: frozenset[str] = USUAL):
+    return render_files([spec], folder, names, 1, scene)[0]
 
 
 def quad(width: float, height: float, z: float, repeats: float, material: int) -> Mesh:
@@ -79,7 +84,7 @@ def store(wall, tmp_path_factory) -> Store:
 def test_a_file_says_what_is_needed_to_trust_it(store):
     held = store.attributes
     assert held["attribution"] == "none needed"
-    for key in ("spec", "conventions", "renderer", "software", "tonemap", "jitter_sequence", "fingerprint"):
+    for key in ("spec", "conventions", "renderer", "software", "tonemap", "jitter_sequence"):
         assert held[key]
     assert float(held["low_mip_bias"]) == -2.0
     jitters = {tuple(j) for j in store.read("jitter", 0, slice(None)).tolist()}

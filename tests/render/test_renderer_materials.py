@@ -110,7 +110,7 @@ def _reflected(
     view: np.ndarray,
     light: np.ndarray,
 ) -> np.ndarray:
-    """pi times the reflectance times the cosine: GGX, height-correlated Smith, Schlick."""
+    """pi times the reflectance times the cosine: NSRD's supplement, equations 1 to 10."""
     half = (view + light) / np.linalg.norm(view + light, axis=-1, keepdims=True)
 
     def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -121,9 +121,10 @@ def _reflected(
     f0 = 0.04 * (1 - metallic) + albedo * metallic
     fresnel = f0 + (1 - f0) * (1 - vh) ** 5
     distribution = a2 / (np.pi * (nh**2 * (a2 - 1) + 1) ** 2)
-    masked = [(np.sqrt(1 + a2 * (1 / c**2 - 1)) - 1) / 2 for c in (nl, nv)]  # Smith's Lambda
-    specular = distribution / (1 + masked[0] + masked[1]) * fresnel / (4 * nl * nv)
-    diffuse = albedo * (1 - metallic) * (1 - fresnel) / np.pi
+    k = (roughness**2 + 1) ** 2 / 8
+    masked = [c / (c * (1 - k) + k) for c in (nl, nv)]
+    specular = distribution * masked[0] * masked[1] * fresnel / (4 * nl * nv)
+    diffuse = albedo * (1 - metallic) / np.pi
     return np.where(nl > 0, np.pi * (diffuse + specular) * nl, 0.0)
 
 

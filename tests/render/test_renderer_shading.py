@@ -25,24 +25,26 @@ from analytic_scenes import (
 )
 
 from supersampling.render.camera import Camera
-from supersampling.render.renderer import BUFFERS, Renderer
+from supersampling.render.renderer import Renderer
 from supersampling.render.scene import Material, Mesh, PointLight, Scene, Sky, Sun
 
 
 def _reflected(
     point: np.ndarray, unit: np.ndarray, view: Camera, normal: np.ndarray, paint: Material
 ) -> np.ndarray:
-    """Lambert and GGX times the cosine, for light from ``unit``; Walter 2007, Heitz 2014, Schlick 1994, times pi."""
+    """Times pi and the cosine: NSRD's reflectance (supplement, equations 1 to 10) for light from ``unit``."""
     out = eye(view) - point
     out /= np.linalg.norm(out, axis=-1, keepdims=True)
     middle = (unit + out) / np.linalg.norm(unit + out, axis=-1, keepdims=True)
     nl, nv, nh, vh = unit @ normal, out @ normal, middle @ normal, (out * middle).sum(axis=-1)
     a2, base = paint.roughness**4, paint.base_color[1]
     spread = a2 / (nh**2 * (a2 - 1) + 1) ** 2
-    smith = 0.5 / (nl * np.sqrt(nv**2 * (1 - a2) + a2) + nv * np.sqrt(nl**2 * (1 - a2) + a2))
+    k = (paint.roughness**2 + 1) ** 2 / 8
+    masked = [cosine / (cosine * (1 - k) + k) for cosine in (nl, nv)]
     f0 = 0.04 * (1 - paint.metallic) + base * paint.metallic
     fresnel = f0 + (1 - f0) * (1 - vh) ** 5
-    return (base * (1 - paint.metallic) * (1 - fresnel) + spread * smith * fresnel) * nl
+    specular = spread * fresnel * masked[0] * masked[1] / (4 * nl * nv)
+    return (base * (1 - paint.metallic) + specular) * nl
 
 
 @pytest.mark.parametrize("moving", [False, True])
@@ -149,7 +151,7 @@ def test_a_negative_mip_bias_sharpens_and_matches_the_full_resolution() -> None:
 
 def _finite(world: Scene, view: Camera) -> None:
     with Renderer(world, 128) as draw:
-        out = draw.low(still(view, FRAME), 2, (0.1, -0.2), -2.0, BUFFERS)
+        out = draw.low(still(view, FRAME), 2, (0.1, -0.2), -2.0, frozenset({"color", "depth", "motion"}))
         target = draw.target(still(view, FRAME), 2, 0.0)
     for name, image in (*out.items(), ("target", target)):
         assert np.isfinite(image).all(), name

@@ -32,7 +32,8 @@ class NoAugmentation(Augment):
 class Colours(Augment):
     """One of the six orders of the colour channels and a gain, drawn for the whole sample.
 
-    Upsampling is linear in display-referred colour, so that a darker sample is as true as the rendered one.
+    Upsampling is linear in display-referred colour, so that a darker sample is as true as the rendered one. Light of every
+    kind takes the gain, reflectances only the order: radiance = material * lighting still holds.
 
     Args:
         darkest: the smallest gain, in (0, 1]; 1 keeps the brightness.
@@ -45,17 +46,22 @@ class Colours(Augment):
 
     def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]:
         order, gain = rng.permutation(3), np.float32(rng.uniform(self.darkest, 1.0))
-        return {
-            name: values[:, order] * gain if name in ("color", "target") else values
-            for name, values in item.items()
-        }
+        return {name: self._changed(name, values, order, gain) for name, values in item.items()}
+
+    def _changed(
+        self, name: str, values: NDArray[np.float32], order: NDArray[np.int64], gain: np.float32
+    ) -> NDArray[np.float32]:
+        kind = BUFFERS[name].kind
+        if kind in ("display", "light"):
+            return values[:, order] * gain
+        return values[:, order] if kind == "reflectance" else values
 
 
 @final
 class Symmetries(Augment):
     """One of the square's eight symmetries, drawn for the whole sample.
 
-    A mirror turns the sign of that component of jitter and motion, a transposition exchanges the components.
+    A mirror turns the sign of that component of jitter, motion and normals, a transposition exchanges the components.
     """
 
     def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]:
@@ -67,9 +73,9 @@ class Symmetries(Augment):
                 values = values * sign
                 changed[name] = np.ascontiguousarray(values[:, ::-1] if transpose else values)
                 continue
-            if name == "motion":
-                values = values * sign[:, None, None]
-                values = values[:, ::-1] if transpose else values
+            if BUFFERS[name].kind in ("plane", "direction"):
+                plane = values[:, :2] * sign[:, None, None]
+                values = np.concatenate((plane[:, ::-1] if transpose else plane, values[:, 2:]), axis=1)
             values = values[..., ::-1] if mirror_x else values
             values = values[..., ::-1, :] if mirror_y else values
             values = values.swapaxes(-1, -2) if transpose else values

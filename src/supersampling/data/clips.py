@@ -139,7 +139,7 @@ class WholeClips(Dataset[dict[str, Tensor]]):
 
     def __init__(self, paths: Sequence[Path], requires: frozenset[str]) -> None:
         self._stores = [Store(path) for path in paths]
-        self._requires = requires
+        self._requires = requires | {"target"}
         self._clips = [(store, c) for store in self._stores for c in range(store.clips)]
 
     def __len__(self) -> int:
@@ -151,11 +151,13 @@ class WholeClips(Dataset[dict[str, Tensor]]):
 
     def __getitem__(self, index: int) -> dict[str, Tensor]:
         store, clip = self._clips[index]
-        item = {
-            name: torch.from_numpy(store.read(name, clip, slice(None))) for name in sorted(self._requires)
-        }
         first = store.spec.frames - store.spec.targets
-        return item | {"target": torch.from_numpy(store.read("target", clip, slice(first, None)))}
+        return {
+            name: torch.from_numpy(
+                store.read(name, clip, slice(first if BUFFERS[name].resolution == "high" else 0, None))
+            )
+            for name in sorted(self._requires)
+        }
 
     def __iter__(self) -> Iterator[tuple[ClipName, dict[str, Tensor]]]:
         for index in range(len(self)):

@@ -2,7 +2,7 @@
 
 import hashlib
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import lightning as L
@@ -10,15 +10,15 @@ from torch import Tensor
 from torch.utils.data import DataLoader
 
 from supersampling.data.clips import FreshIndices, WholeClips, WindowDataset
-from supersampling.data.store import Store, spec_of
+from supersampling.data.store import Store
 from supersampling.errors import UserError
 
 
 class Source(ABC):
-    """Gives the data set files of each split."""
+    """Gives the data set files of each split, with at least the ``buffers`` that are asked for."""
 
     @abstractmethod
-    def files(self, split: str) -> list[Path]: ...
+    def files(self, splits: Sequence[str], buffers: frozenset[str]) -> dict[str, list[Path]]: ...
 
 
 class Files(Source):
@@ -32,26 +32,36 @@ class Files(Source):
         self._scale = scale
         self._paths = {"train": list(train), "val": list(val), "test": list(test)}
 
-    def files(self, split: str) -> list[Path]:
+    def files(self, splits: Sequence[str], buffers: frozenset[str]) -> dict[str, list[Path]]:
+        return {split: self._checked(split, buffers) for split in splits}
+
+    def _checked(self, split: str, buffers: frozenset[str]) -> list[Path]:
         paths = [Path(p) for p in self._paths[split]]
         if not paths:
             raise UserError(f"data=files needs data.{split}=[FILE.h5, ...]: no {split} file was named.")
         for path in paths:
-            scale = spec_of(path).scale
+            store = Store(path)
+            scale, missing = store.spec.scale, sorted(buffers - store.buffers)
+            store.close()
             if scale != self._scale:
                 raise UserError(
                     f"{path} was rendered for scale {scale}, but task.scale={self._scale}: set task.scale={scale} or "
                     "name another file."
                 )
+            if missing:
+                raise UserError(
+                    f"{path} has no {missing[0]}, which this configuration reads: render or import it with "
+                    f"buffers=[{','.join(missing)}], or choose a method that does without."
+                )
         return paths
 
 
-def fingerprint(paths: Sequence[Path]) -> str:
-    """One fingerprint of several files, independent of their order and place."""
+def fingerprint(paths: Sequence[Path], names: Iterable[str]) -> str:
+    """One fingerprint of these buffers of several files, independent of their order and place."""
     parts = []
     for path in paths:
         store = Store(path)
-        parts.append(store.fingerprint)
+        parts.append(store.fingerprint(sorted(names)))
         store.close()
     return hashlib.sha256("".join(sorted(parts)).encode()).hexdigest()[:16]
 

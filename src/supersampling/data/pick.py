@@ -35,7 +35,12 @@ def motion_edges(pixels: NDArray[np.floating]) -> float:
 
 
 class Pick(ABC):
-    """``pick(propose, motion) -> place``; ``motion(place)`` is ``(T, h, w, 2)`` in target pixels."""
+    """``pick(propose, motion) -> place``; ``motion(place)`` is ``(T, h, w, 2)`` in target pixels.
+
+    ``requires`` names the buffers that it reads.
+    """
+
+    requires: frozenset[str]
 
     @abstractmethod
     def __call__(
@@ -47,6 +52,8 @@ class Pick(ABC):
 class Uniform(Pick):
     """The first proposal: every window is as likely as any other (Swensen 2021, 4.3.2)."""
 
+    requires = frozenset[str]()
+
     def __call__(
         self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]
     ) -> Place:
@@ -56,6 +63,8 @@ class Uniform(Pick):
 @final
 class MostEdges(Pick):
     """Of ``looks`` proposals the one with the most motion edges: history fails there, and most windows hold few of them."""
+
+    requires = frozenset({"motion"})
 
     def __init__(self, looks: int) -> None:
         if looks < 1:

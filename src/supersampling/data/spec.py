@@ -1,10 +1,10 @@
-"""What a data set file holds: everything that decides its content, so that equal specifications give equal files."""
+"""What a data set file shows: everything that decides the content of its buffers, whichever of them it holds."""
 
 import hashlib
 import json
 from dataclasses import asdict, dataclass
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 SPLITS = ("train", "val", "test")
 
 
@@ -14,8 +14,9 @@ class CaptureSpec:
 
     ``frame`` is the whole target frame ``(width, height)`` in pixels, ``window`` the part that each clip keeps (equal to
     ``frame`` for whole frames), both before they are rounded down to a multiple of ``scale``. The last ``targets`` frames of
-    a clip have a target, of ``samples x samples`` a pixel. ``jitter`` and ``mip_bias`` are named settings
-    (`supersampling.render.jitter`); ``candidates`` seeded takes are proposed for each clip.
+    a clip have the high-resolution buffers, of ``samples x samples`` a pixel. ``jitter``, ``mip_bias`` and ``camera`` are named
+    settings (`supersampling.render.jitter`, `supersampling.render.paths`), ``recorded`` in an imported capture;
+    ``candidates`` seeded takes are proposed for each clip. ``origin`` tells imported captures apart, empty for renders.
     """
 
     scene: str
@@ -31,6 +32,8 @@ class CaptureSpec:
     samples: int
     seed: int
     candidates: int
+    camera: str = "walk"
+    origin: str = ""
 
     @property
     def target_size(self) -> tuple[int, int]:
@@ -45,4 +48,5 @@ class CaptureSpec:
     def file_name(self) -> str:
         """A readable name that differs between any two specifications."""
         digest = hashlib.sha256(self.to_json().encode()).hexdigest()[:8]
-        return f"{self.scene.replace('/', '_')}_{self.split}_x{self.scale}_{digest}.h5"
+        plain = "".join(c if c.isalnum() or c in "-." else "_" for c in self.scene).strip("_.")
+        return f"{plain}_{self.split}_x{self.scale}_{digest}.h5"

@@ -89,6 +89,7 @@ class DLCTUS(Upsampler[Tensor]):
 
     def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
         color, depth, jitter = frame.color, frame.depth, frame.jitter
+        assert color is not None
         assert depth is not None
         assert jitter is not None
         assert frame.motion is not None

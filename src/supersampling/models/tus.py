@@ -58,6 +58,7 @@ class TUS(Upsampler[Tensor]):
         self.requires = frozenset({"color", "jitter", "motion"}) | dilate.requires
 
     def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
+        assert frame.color is not None
         assert frame.jitter is not None
         assert frame.motion is not None
         aligned = jitter_aligned_upsample(frame.color, frame.jitter, self.scale)

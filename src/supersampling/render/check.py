@@ -1,8 +1,23 @@
 """What can be rendered: a specification is checked once, before anything is begun."""
 
+from collections.abc import Iterable
+
 from supersampling.data.spec import SPLITS, CaptureSpec
 from supersampling.errors import UserError
+from supersampling.frames import BUFFERS
 from supersampling.render.jitter import jitter_sequence, mip_bias
+from supersampling.render.styles import camera_style
+
+
+def check_buffers(names: Iterable[str]) -> None:
+    """Refuse a buffer that there is not.
+
+    Raises:
+        UserError: names it and all that there are.
+    """
+    unknown = sorted(set(names) - BUFFERS.keys())
+    if unknown:
+        raise UserError(f"There is no buffer {unknown[0]}: use some of {', '.join(sorted(BUFFERS))}.")
 
 
 def check_spec(spec: CaptureSpec) -> None:
@@ -27,5 +42,6 @@ def check_spec(spec: CaptureSpec) -> None:
             raise UserError(
                 f"A window {side} of {window} does not fit: use {4 * spec.scale} to {frame} (the frame's)."
             )
+    camera_style(spec.camera)
     jitter_sequence(spec.jitter, spec.scale)
     mip_bias(spec.mip_bias, spec.scale)

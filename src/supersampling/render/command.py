@@ -11,20 +11,25 @@ from supersampling.data.module import Source
 from supersampling.data.spec import SPLITS
 from supersampling.data.store import Store
 from supersampling.errors import UserError
+from supersampling.frames import BUFFERS
 
 
 def render(cfg: DictConfig) -> None:
-    """Render what is missing of ``cfg.splits`` and print each file; with ``cfg.pictures`` a picture of each scene too.
+    """Render what ``cfg.buffers`` lacks in ``cfg.splits`` and print each file; with ``cfg.pictures`` a picture of each scene too.
 
     Raises:
-        UserError: an unknown split, scene or setting.
+        UserError: an unknown split, buffer, scene or setting.
     """
     unknown = [split for split in cfg.splits if split not in SPLITS]
     if unknown:
         raise UserError(f"splits={unknown} is not possible: use some of [{', '.join(SPLITS)}].")
+    buffers = frozenset(BUFFERS if cfg.buffers == "all" else cfg.buffers)
+    if cfg.pictures:
+        buffers |= {"color", "target"}
     source: Source = instantiate(cfg.data)
-    for split in cfg.splits:
-        for path in source.files(split):
+    files = source.files(list(cfg.splits), buffers)
+    for split, paths in files.items():
+        for path in paths:
             print(path)
             if cfg.pictures and split == cfg.splits[-1]:
                 print(save_picture(path))

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from supersampling.render.camera import Matrix
 from supersampling.render.frustum import Boxes, transformed
-from supersampling.render.scene import Material, Mesh, Scene, Texture
+from supersampling.render.scene import Material, Mesh, Object, Scene, Texture
 
 CHUNK_TRIANGLES = 2048
 VERTEX_LAYOUT = ("3f 3f 2f 4f 4f1", "in_position", "in_normal", "in_uv", "in_tangent", "in_color")
 MODEL_LAYOUT = ("4f 4f 4f/i", "in_model_0", "in_model_1", "in_model_2")
-CLIP_LAYOUT = ("16f 16f/i", "in_current", "in_previous")
+CLIP_LAYOUT = ("16f 4f 4f 4f/i", "in_current", "in_previous_x", "in_previous_y", "in_previous_w")
+OBJECT_LAYOUT = ("1f/i", "in_object")
 _SRGB8_ALPHA8 = 0x8C43
 _UNIFORM_ALIGNMENT = 256
 
@@ -70,11 +71,25 @@ def tangents(mesh: Mesh) -> NDArray[np.float32]:
     return np.concatenate([unit, handed[:, None]], axis=1).astype(np.float32)
 
 
+def in_world(item: Object, seconds: float, view: Matrix) -> Matrix:
+    """``(4, 4)`` object-to-world matrix, float64, at an instant of a camera whose ``view`` is world-to-camera."""
+    own = np.asarray(item.at(seconds), np.float64)
+    if item.frame == "world":
+        return own
+    to_world = np.linalg.inv(view)
+    if item.frame == "camera":
+        return to_world @ own
+    own = own.copy()
+    own[:3, :3] = to_world[:3, :3] @ own[:3, :3]
+    return own
+
+
 class GpuScene:
     """Buffers of a scene and its table of draws.
 
-    ``commands (D, 5)`` are GL's indirect draw records, ``group_of (D,)`` indexes ``groups``, ``moving (D,)`` says which
-    belong to moving objects. `place` sets the transforms of one instant.
+    ``commands (D, 5)`` are GL's indirect draw records, ``group_of (D,)`` indexes ``groups`` (those of the interface come last),
+    ``moving (D,)`` and ``casts (D,)`` say which belong to moving objects and which cast shadows. `place` sets the transforms
+    of one instant.
     """
 
     def __init__(self, ctx: moderngl.Context, scene: Scene) -> None:
@@ -85,7 +100,8 @@ class GpuScene:
         self._upload_materials()
         count = len(scene.objects)
         self.model_buffer = ctx.buffer(reserve=max(count, 1) * 48, dynamic=True)
-        self.clip_buffer = ctx.buffer(reserve=max(count, 1) * 128, dynamic=True)
+        self.clip_buffer = ctx.buffer(reserve=max(count, 1) * 112, dynamic=True)
+        self.object_buffer = ctx.buffer(np.arange(1, max(count, 1) + 1, dtype=np.float32).tobytes())
         self.indirect = ctx.buffer(reserve=max(len(self.commands), 1) * 20, dynamic=True)
         self.bounds = self._static_bounds()
 
@@ -130,11 +146,12 @@ class GpuScene:
         for i, item in enumerate(scene.objects):
             mirrored = bool(np.linalg.det(self.models[i, :3, :3]) < 0.0)
             for m in item.meshes:
-                key = (scene.meshes[m].material, mirrored)
+                material = scene.meshes[m].material
+                key = (scene.materials[material].interface, material, mirrored)
                 rows += [(key, first, count, i, lo, hi) for first, count, lo, hi in chunks[m]]
         rows.sort(key=lambda row: row[0])
         keys = sorted({row[0] for row in rows})
-        self.groups = [Group(*key) for key in keys]
+        self.groups = [Group(material, mirrored) for _, material, mirrored in keys]
         index = {key: n for n, key in enumerate(keys)}
         self.group_of = np.array([index[row[0]] for row in rows], dtype=np.int64)
         self.object_of = np.array([row[3] for row in rows], dtype=np.int64)
@@ -145,6 +162,7 @@ class GpuScene:
         self._lo = np.array([row[4] for row in rows], dtype=np.float64).reshape(-1, 3)
         self._hi = np.array([row[5] for row in rows], dtype=np.float64).reshape(-1, 3)
         self.moving = np.isin(self.object_of, self.movers)
+        self.casts = np.array([not row[0][0] for row in rows], dtype=bool)
         self.boxes: Boxes = transformed(self._lo, self._hi, self.models[self.object_of])
 
     def _upload_materials(self) -> None:
@@ -159,7 +177,7 @@ class GpuScene:
                 m.roughness,
                 m.metallic,
                 cutoff,
-                0.0,
+                float(m.interface),
             ]
         self.material_buffer = self.ctx.buffer(block.tobytes())
         self._textures: dict[tuple[int, bool], moderngl.Texture] = {}
@@ -197,7 +215,7 @@ class GpuScene:
 
     def _static_bounds(self) -> Boxes:
         """``(1, 3)`` box of all static geometry; of all geometry where nothing stands still."""
-        chosen = ~self.moving if (~self.moving).any() else np.ones(len(self.moving), bool)
+        chosen = self.casts & ~self.moving if (self.casts & ~self.moving).any() else self.casts
         if not chosen.any():
             return np.zeros((1, 3)), np.ones((1, 3))
         return self.boxes[0][chosen].min(axis=0, keepdims=True), self.boxes[1][chosen].max(
@@ -207,20 +225,25 @@ class GpuScene:
     def material(self, group: Group) -> Material:
         return self.scene.materials[group.material]
 
-    def place(self, seconds: float, previous_seconds: float, clip: Matrix, previous_clip: Matrix) -> None:
-        """Transforms at both instants; ``clip`` and ``previous_clip`` are world-to-clip, unjittered."""
+    def place(
+        self, seconds: tuple[float, float], views: tuple[Matrix, Matrix], projections: tuple[Matrix, Matrix]
+    ) -> None:
+        """Transforms at the current and the previous instant; ``projections`` are unjittered."""
         for i in self.movers:
             item = self.scene.objects[i]
-            self.models[i], self.previous_models[i] = item.at(seconds), item.at(previous_seconds)
+            self.models[i] = in_world(item, seconds[0], views[0])
+            self.previous_models[i] = in_world(item, seconds[1], views[1])
         if self.movers:
-            now = self.moving
-            lo, hi = transformed(self._lo[now], self._hi[now], self.models[self.object_of[now]])
-            self.boxes[0][now], self.boxes[1][now] = lo, hi
+            moved = self.moving
+            lo, hi = transformed(self._lo[moved], self._hi[moved], self.models[self.object_of[moved]])
+            self.boxes[0][moved], self.boxes[1][moved] = lo, hi
         if len(self.models) == 0:
             return
         # Multiplied in float64: a large world's offsets cancel here and not in the shader.
-        both = np.stack([clip @ self.models, previous_clip @ self.previous_models], axis=1)
-        self.clip_buffer.write(np.ascontiguousarray(both.transpose(0, 1, 3, 2), dtype=np.float32).tobytes())
+        now, before = (projection @ view for projection, view in zip(projections, views))
+        current = (now @ self.models).transpose(0, 2, 1).reshape(-1, 16)  # columns of the matrix
+        previous = (before @ self.previous_models)[:, [0, 1, 3]].reshape(-1, 12)  # rows
+        self.clip_buffer.write(np.concatenate([current, previous], axis=1).astype(np.float32).tobytes())
         self.model_buffer.write(np.ascontiguousarray(self.models[:, :3], dtype=np.float32).tobytes())
 
     def vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
@@ -229,6 +252,7 @@ class GpuScene:
             (self.vertex_buffer, VERTEX_LAYOUT),
             (self.model_buffer, MODEL_LAYOUT),
             (self.clip_buffer, CLIP_LAYOUT),
+            (self.object_buffer, OBJECT_LAYOUT),
         )
         content = [
             (buffer, layout) for buffer, layout in sources if any(name in program for name in layout[1:])

@@ -8,9 +8,21 @@ from supersampling.render.camera import Matrix
 from supersampling.render.frustum import visible
 from supersampling.render.gpu_scene import GpuScene
 from supersampling.render.programs import Programs, assign
+from supersampling.render.scene import PointLight
 from supersampling.render.shadows import CUBE_NORMAL_OFFSET, Casters, PointShadows, SunShadows
 
 MAX_LIGHTS = 64  # in view at once; the nearest are kept
+
+
+def spot(light: PointLight) -> tuple[float, float, float, float]:
+    """``(direction * scale, offset)`` of KHR_lights_punctual's angular attenuation; (0, 0, 0, 1) shines everywhere."""
+    if light.cone is None:
+        return 0.0, 0.0, 0.0, 1.0
+    inner, outer = (float(np.cos(angle)) for angle in light.cone)
+    scale = 1.0 / max(inner - outer, 1e-3)
+    axis = np.asarray(light.direction, np.float64)
+    x, y, z = axis * (scale / max(float(np.linalg.norm(axis)), 1e-9))
+    return float(x), float(y), float(z), -outer * scale
 
 
 class Lights:
@@ -26,14 +38,17 @@ class Lights:
         self._rows = np.full(len(scene.points), -1)
         self._rows[[i for i, p in enumerate(scene.points) if p.shadowed]] = np.arange(len(shadowed))
         self._cubes = PointShadows(ctx, gpu, casters, shadowed) if shadowed else None
-        self._block = ctx.buffer(reserve=MAX_LIGHTS * 32, dynamic=True)
+        self._block = ctx.buffer(reserve=MAX_LIGHTS * 48, dynamic=True)
         offset = f"CUBE_OFFSET {CUBE_NORMAL_OFFSET}"
         self._definitions = (f"MAX_LIGHTS {MAX_LIGHTS}", offset, *(("SUN",) if scene.sun else ()))
 
-    def prepare(self, programs: Programs, eye: NDArray[np.float64], planes: Matrix) -> moderngl.VertexArray:
+    def prepare(
+        self, programs: Programs, eye: NDArray[np.float64], planes: Matrix, radiance: bool
+    ) -> moderngl.VertexArray:
         """Updates the shadow maps that the view needs; returns the lighting pass with its light uniforms set."""
-        array = programs.screen(("brdf", "display", "shadow_lookup", "lighting_fragment"), self._definitions)
-        sky, program = self._scene.sky, array.program
+        parts = ("brdf", "surface", "sky", "display", "shadow_lookup", "lighting_fragment")
+        array = programs.screen(parts, (*self._definitions, *(("RADIANCE",) if radiance else ())))
+        program = array.program
         if self._sun and self._scene.sun:
             self._sun.update(eye)
             self._sun.bind(program, self._scene.sun)
@@ -43,8 +58,7 @@ class Lights:
             self._cubes.bind(program)
         self._write(seen)
         self._block.bind_to_uniform_block(1)
-        assign(program, light_count=len(seen), sky_zenith=(*sky.zenith, sky.ambient))
-        assign(program, sky_horizon=sky.horizon, sky_ground=sky.ground)
+        assign(program, light_count=len(seen))
         return array
 
     def _visible(self, eye: NDArray[np.float64], planes: Matrix) -> NDArray[np.int64]:
@@ -55,10 +69,11 @@ class Lights:
         return np.sort(seen[nearest[:MAX_LIGHTS]])
 
     def _write(self, seen: NDArray[np.int64]) -> None:
-        data = np.zeros((2, MAX_LIGHTS, 4), np.float32)
+        data = np.zeros((3, MAX_LIGHTS, 4), np.float32)
         for slot, i in enumerate(seen):
             row = int(self._rows[i])
             moving = 0.5 if self._cubes and row >= 0 and self._cubes.moving[row] else 0.0
             data[0, slot] = [*self._positions[i], self._radii[i]]
             data[1, slot] = [*self._scene.points[i].intensity, row + moving]
+            data[2, slot] = spot(self._scene.points[i])
         self._block.write(data.tobytes())

@@ -1,32 +1,37 @@
 """Deferred OpenGL renderer: one-sample low-resolution frames with their buffers, and supersampled targets.
 
-A G-buffer pass writes linear depth, motion and the material; a full-screen pass lights it. The same code runs on a GPU
-and on Mesa's software rasteriser; the two differ in low bits, so a data set records `Renderer.gl_renderer`.
+A G-buffer pass writes linear depth, motion and the material; full-screen passes light it or read single buffers from it,
+and only what is asked for is drawn. The same code runs on a GPU and on Mesa's software rasteriser; the two differ in low
+bits, so a data set records `Renderer.gl_renderer`.
 """
 
 import math
+from collections.abc import Iterator
 from types import TracebackType
 
 import moderngl
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from supersampling.errors import UserError
+from supersampling.frames import BUFFERS
+from supersampling.ops.dual_motion import dual_motion
 from supersampling.render import matrices
-from supersampling.render.camera import Matrix, Shot, Window
-from supersampling.render.frustum import planes_of, visible
-from supersampling.render.gpu_scene import GpuScene
-from supersampling.render.lighting import Lights
-from supersampling.render.programs import Programs, assign, matrix
+from supersampling.render.camera import Shot, Window
+from supersampling.render.passes import EXTRACTED, Passes, View
 from supersampling.render.scene import Scene
-from supersampling.render.shadows import Casters
-from supersampling.render.targets import GBuffer, Targets
+from supersampling.render.targets import Needs
 
 TONEMAP = "aces_narkowicz"
-BUFFERS = frozenset({"color", "depth", "motion"})
 TILE = 2048  # pixels of a side that are shaded at once
 
 Image = NDArray[np.float32]
+
+_LIT = frozenset({"color", "radiance"})
+_REFERENCE = {"target": "color", "target_radiance": "radiance"}
+# High-resolution buffers that have no average: one sample at the pixel's centre.
+_CENTRED = frozenset({"high_depth", "high_motion", "high_normal", "high_object_id"})
 
 
 def open_context() -> moderngl.Context:
@@ -42,6 +47,11 @@ def open_context() -> moderngl.Context:
         ) from None
 
 
+def _planes(image: NDArray[np.floating]) -> torch.Tensor:
+    """``(h, w, C)`` to ``(1, C, h, w)`` float32."""
+    return torch.from_numpy(np.ascontiguousarray(image, np.float32)).permute(2, 0, 1)[None]
+
+
 class Renderer:
     """Draws a scene. A context manager; ``gl_renderer`` is the GL_RENDERER and GL_VERSION string.
 
@@ -53,24 +63,20 @@ class Renderer:
         self._ctx.gc_mode = "context_gc"
         self.gl_renderer = f"{self._ctx.info['GL_RENDERER']}, OpenGL {self._ctx.info['GL_VERSION']}"
         self.scene = scene
-        self._gpu = GpuScene(self._ctx, scene)
-        self._programs = Programs(self._ctx, self._gpu)
-        self._targets = Targets(self._ctx)
-        casters = Casters(self._ctx, self._gpu, self._programs)
-        self._alpha = casters.alpha
-        self._lights = Lights(self._ctx, self._gpu, casters, shadow_size)
+        self._passes = Passes(self._ctx, scene, shadow_size)
+
+    def _view(self, shot: Shot, window: Window, size: tuple[int, int], jitter: tuple[float, float]) -> View:
+        offset = matrices.jitter_offset(jitter, *size)
+        return View(shot, window, size, offset, (self.scene.near, self.scene.far))
 
     def low(
         self, shot: Shot, scale: int, jitter: tuple[float, float], mip_bias: float, buffers: frozenset[str]
     ) -> dict[str, Image]:
         """One sample a pixel of the window at 1 / ``scale``, at the pixel's centre + ``jitter`` (x right, y down, in pixels).
 
-        ``buffers`` are of ``color (h, w, 3)``, ``depth (h, w, 1)`` and ``motion (h, w, 2)``; see `frames.BUFFERS` for their
-        units. ``mip_bias`` is relative to the level that the low resolution would choose.
+        ``buffers`` are low-resolution ones of `frames.BUFFERS`; each comes as ``(h, w, C)``. ``mip_bias`` is relative to the
+        level that the low resolution would choose.
         """
-        unknown = sorted(buffers - BUFFERS)
-        if unknown:
-            raise UserError(f"The renderer has no buffer {unknown[0]!r}: ask for some of {sorted(BUFFERS)}.")
         window = shot.window
         if window.width % scale or window.height % scale:
             raise UserError(
@@ -78,26 +84,58 @@ class Renderer:
                 f"make both sides multiples of {scale}."
             )
         size = (window.width // scale, window.height // scale)
-        g = self._targets.gbuffer(size, shade="color" in buffers, motion="motion" in buffers)
-        lens = self._aim(shot, window)
-        self._draw(g, shot, lens, matrices.jitter_offset(jitter, *size), mip_bias)
+        view = self._view(shot, window, size, jitter)
+        lit, extracted = buffers & _LIT, buffers & EXTRACTED.keys()
+        dual = "motion_dual" in buffers
+        needs = Needs(bool(lit or extracted), dual or "motion" in buffers, "object_id" in buffers)
+        g = self._passes.surface(view, mip_bias, needs)
         out: dict[str, Image] = {}
-        if "color" in buffers:
-            self._shade(g, shot, lens, matrices.jitter_offset(jitter, *size))
-            out["color"] = g.read_shaded()
-        if "depth" in buffers:
-            out["depth"] = g.read("depth")
-        if "motion" in buffers:
-            out["motion"] = g.read("motion")
+        if lit:
+            self._passes.light(g, view, radiance="radiance" in lit)
+            out |= {name: g.read_image(name, 3) for name in lit}
+        for name in extracted:
+            self._passes.extract(g, view, name)
+            out[name] = g.read_image("extracted", BUFFERS[name].channels)
+        for name, held in {"depth": "depth", "object_id": "object"}.items():
+            if name in buffers:
+                out[name] = g.read(held)
+        if needs.motion:
+            moved = g.read("motion")
+            out |= {"motion": moved[..., :2]} if "motion" in buffers else {}
+            out |= {"motion_dual": self._dual(shot, scale, jitter, moved)} if dual else {}
         return out
 
-    def target(self, shot: Shot, samples: int, mip_bias: float) -> Image:
-        """``(H, W, 3)``: a regular grid of ``samples`` x ``samples`` in each target pixel, averaged as displayed.
+    def look(self, shot: Shot, scale: int) -> dict[str, Image]:
+        """Colour and motion for a first look, with coarse shadows: a new place then costs little."""
+        view = self._view(
+            shot, shot.window, (shot.window.width // scale, shot.window.height // scale), (0.0, 0.0)
+        )
+        g = self._passes.surface(view, -math.log2(scale), Needs(surface=True, motion=True))
+        self._passes.light(g, view, radiance=False, coarse=True)
+        return {"color": g.read_image("color", 3), "motion": g.read("motion")[..., :2]}
 
-        ``mip_bias`` is relative to the level that the target's resolution would choose.
+    def target(self, shot: Shot, samples: int, mip_bias: float) -> Image:
+        """The supersampled reference ``(H, W, 3)``: see `high`."""
+        return self.high(shot, samples, mip_bias, frozenset({"target"}))["target"]
+
+    def high(self, shot: Shot, samples: int, mip_bias: float, buffers: frozenset[str]) -> dict[str, Image]:
+        """High-resolution ``buffers`` of `frames.BUFFERS`, each ``(H, W, C)``.
+
+        A regular grid of ``samples`` x ``samples`` in each target pixel, averaged (``target`` as displayed); depth, motion,
+        normal and object id are of one sample at the centre. ``mip_bias`` is relative to the level that the target's
+        resolution would choose.
         """
         window = shot.window
-        out = np.empty((window.height, window.width, 3), dtype=np.float32)
+        centred = buffers & _CENTRED
+        out: dict[str, Image] = {}
+        if centred:
+            low = self.low(shot, 1, (0.0, 0.0), mip_bias, frozenset(n.removeprefix("high_") for n in centred))
+            out = {f"high_{name}": image for name, image in low.items()}
+        averaged = sorted(buffers - centred)
+        if not averaged:
+            return out
+        for name in averaged:
+            out[name] = np.empty((window.height, window.width, BUFFERS[name].channels), dtype=np.float32)
         side = max(TILE // samples, 1)
         for y in range(0, window.height, side):
             for x in range(0, window.width, side):
@@ -105,108 +143,45 @@ class Renderer:
                 tile = Window(
                     window.frame_width, window.frame_height, window.x + x, window.y + y, width, height
                 )
-                g = self._targets.gbuffer((width * samples, height * samples), shade=True, motion=False)
-                lens = self._aim(shot, tile)
-                # Derivatives are `samples` times smaller here than in the target.
-                self._draw(g, shot, lens, (0.0, 0.0), mip_bias + math.log2(samples))
-                self._shade(g, shot, lens, (0.0, 0.0))
-                out[y : y + height, x : x + width] = self._resolve(g, samples)
+                for name, image in self._averaged(shot, tile, samples, mip_bias, averaged):
+                    out[name][y : y + height, x : x + width] = image
         return out
 
-    def _aim(self, shot: Shot, window: Window) -> tuple[Matrix, Matrix]:
-        """Current and previous projection of a window; the scene's transforms are brought to the shot."""
-        near, far = self.scene.near, self.scene.far
-        now = matrices.window_projection(shot.camera, window, near, far)
-        before = matrices.window_projection(shot.previous_camera, window, near, far)
-        self._gpu.place(
-            shot.seconds, shot.previous_seconds, now @ shot.camera.view, before @ shot.previous_camera.view
-        )
-        return now, before
+    def _averaged(
+        self, shot: Shot, tile: Window, samples: int, mip_bias: float, names: list[str]
+    ) -> Iterator[tuple[str, Image]]:
+        view = self._view(shot, tile, (tile.width * samples, tile.height * samples), (0.0, 0.0))
+        # Derivatives are `samples` times smaller here than in the target.
+        g = self._passes.surface(view, mip_bias + math.log2(samples), Needs(surface=True))
+        if _REFERENCE.keys() & set(names):
+            self._passes.light(g, view, radiance="target_radiance" in names)
+        for name in names:
+            if name not in _REFERENCE:
+                self._passes.extract(g, view, name.removeprefix("high_"))
+            mean = self._passes.average(g, _REFERENCE.get(name, "extracted"), samples)
+            yield name, mean[..., : BUFFERS[name].channels]
 
-    def _draw(
-        self,
-        g: GBuffer,
-        shot: Shot,
-        lens: tuple[Matrix, Matrix],
-        jitter: tuple[float, float],
-        mip_bias: float,
-    ) -> None:
-        """Sky, then all draws that the window may see, into the G-buffer."""
-        gpu, ctx = self._gpu, self._ctx
-        g.begin()
-        if g.motion:
-            sky = self._programs.screen(("sky_motion_fragment",), ("SHADE",) if g.shade else ())
-            warp = matrices.sky_homography(shot.camera.view, lens[0], shot.previous_camera.view, lens[1])
-            assign(sky.program, homography=matrix(warp), size=g.size, jitter=jitter)
-            ctx.enable_only(moderngl.NOTHING)
-            sky.render(moderngl.TRIANGLES, vertices=3)
-        ctx.enable_only(moderngl.DEPTH_TEST)
-        planes = planes_of(lens[0] @ shot.camera.view)
-        # Jitter moves the image by up to half a pixel, so the volume is that much wider.
-        planes[:4] += (lens[0] @ shot.camera.view)[3] / min(g.size)
-        draws = np.flatnonzero(visible(gpu.boxes, planes))
-        gpu.write_commands(draws)
-        span = 1.0 / (self.scene.far - self.scene.near)
-        ready: set[int] = set()
-        groups, starts, counts = np.unique(gpu.group_of[draws], return_index=True, return_counts=True)
-        for group, start, count in zip(groups, starts, counts):
-            array = self._programs.mesh("gbuffer", self._definitions(int(group), g))
-            if id(array) not in ready:
-                assign(array.program, jitter=jitter, mip_bias=mip_bias, depth_range=(self.scene.near, span))
-                assign(array.program, albedo_map=0, normal_map=1, surface_map=2)
-                ready.add(id(array))
-            self._bind_group(int(group))
-            array.render_indirect(gpu.indirect, moderngl.TRIANGLES, int(count), int(start))
-
-    def _definitions(self, group: int, g: GBuffer) -> tuple[str, ...]:
-        material = self._gpu.groups[group].material
-        chosen = {
-            "ALPHA_TEST": bool(self._alpha[group]),
-            "SHADE": g.shade,
-            "NORMAL_MAP": g.shade and self._gpu.normal[material] is not None,
-            "SURFACE_MAP": g.shade and self._gpu.surface[material] is not None,
-            "MOTION": g.motion,
-        }
-        return tuple(name for name, on in chosen.items() if on)
-
-    def _bind_group(self, index: int) -> None:
-        gpu, ctx = self._gpu, self._ctx
-        group = gpu.groups[index]
-        gpu.bind_material(group.material)
-        maps = (gpu.albedo[group.material], gpu.normal[group.material], gpu.surface[group.material])
-        for unit, chosen in enumerate(maps):
-            if chosen is not None:
-                chosen.use(unit)
-        # The image is drawn y down, which turns the winding; a mirroring transform turns it again.
-        ctx.front_face = "ccw" if group.mirrored else "cw"
-        if gpu.material(group).double_sided:
-            ctx.disable(moderngl.CULL_FACE)
-        else:
-            ctx.enable(moderngl.CULL_FACE)
-
-    def _shade(
-        self, g: GBuffer, shot: Shot, lens: tuple[Matrix, Matrix], jitter: tuple[float, float]
-    ) -> None:
-        """Lights the G-buffer into its display-referred image."""
-        eye = matrices.eye_of(shot.camera.view)
-        array = self._lights.prepare(self._programs, eye, planes_of(lens[0] @ shot.camera.view))
-        self._ctx.enable_only(moderngl.NOTHING)
-        g.bind_for_shading(array.program)
-        assign(
-            array.program, rays=matrix(matrices.ray_basis(shot.camera.view, lens[0])), eye=tuple(eye), size=g.size,
-            jitter=jitter, depth_range=(self.scene.near, self.scene.far - self.scene.near), exposure=self.scene.exposure,
+    def _dual(self, shot: Shot, scale: int, jitter: tuple[float, float], moved: Image) -> Image:
+        """Dual motion vectors: what was seen in the previous frame is drawn with its motion to this one."""
+        window = shot.window
+        margin = scale * (max(window.width, window.height) // (4 * scale))
+        wide = Window(
+            window.frame_width, window.frame_height, window.x - margin, window.y - margin,
+            window.width + 2 * margin, window.height + 2 * margin,
         )  # fmt: skip
-        array.render(moderngl.TRIANGLES, vertices=3)
-
-    def _resolve(self, g: GBuffer, samples: int) -> Image:
-        array = self._programs.screen(("resolve_fragment",))
-        g.shaded.use(0)
-        assign(array.program, image=0, samples=samples)
-        size = (g.size[0] // samples, g.size[1] // samples)
-        buffer = self._targets.resolved(size)
-        buffer.use()
-        array.render(moderngl.TRIANGLES, vertices=3)
-        return np.frombuffer(buffer.read(components=3, dtype="f4"), np.float32).reshape(size[1], size[0], 3)
+        back = Shot(shot.previous_camera, shot.camera, shot.previous_seconds, shot.seconds, wide)
+        view = self._view(back, wide, (wide.width // scale, wide.height // scale), (0.0, 0.0))
+        g = self._passes.surface(view, 0.0, Needs(motion=True))
+        depth = g.read("depth")
+        near, far = self.scene.near, self.scene.far
+        seen = np.where(depth < 1.0, near + (far - near) * depth, np.float32(np.inf))
+        pixels = np.array((window.width, window.height), np.float32) / scale
+        forward = g.read("motion")[..., :2] * np.array(view.size, np.float32)
+        dual = dual_motion(
+            _planes(moved[..., :2] * pixels), _planes(moved[..., 2:3]), torch.tensor([jitter]), _planes(forward),
+            _planes(seen), margin // scale,
+        )  # fmt: skip
+        return (dual[0].permute(1, 2, 0).numpy() / pixels).astype(np.float32)
 
     def close(self) -> None:
         """Releases the context and all that it holds."""

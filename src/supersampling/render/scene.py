@@ -24,6 +24,8 @@ class Material:
     ``surface`` linear RGB with R = roughness, G = metallic, B = emission mask (white where absent).
     ``emission`` is linear radiance, multiplied by the albedo texture and the surface map's blue channel.
     ``alpha``: ``opaque``; ``test`` discards below ``alpha_cutoff``; ``blend`` is drawn as a test at 0.5.
+    ``interface`` marks an element of the user interface (QRISP, annex A.2): its emission alone is drawn, over what is behind
+    it, which keeps its depth, motion and object id; it is hidden by what is in front, takes no light and casts no shadow.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Material:
     alpha: Literal["opaque", "test", "blend"] = "opaque"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    interface: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +60,19 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Object:
-    """Meshes that move together. ``transform`` is a constant matrix, or a function of time for a moving object."""
+    """Meshes that move together. ``transform`` is a constant matrix, or a function of time for a moving object.
+
+    ``frame`` is what the transform refers to: the ``world``; the ``camera`` (x right, y up, looking down -z: a head-up
+    display); or a ``billboard``, whose place is in the world and whose axes are the camera's (a name above a head).
+    """
 
     meshes: tuple[int, ...]
     transform: Array | Transform
+    frame: Literal["world", "camera", "billboard"] = "world"
 
     @property
     def moves(self) -> bool:
-        return callable(self.transform)
+        return callable(self.transform) or self.frame != "world"
 
     def at(self, seconds: float) -> Array:
         return self.transform(seconds) if callable(self.transform) else self.transform
@@ -80,12 +88,18 @@ class Sun:
 
 @dataclass(frozen=True)
 class PointLight:
-    """Inverse-square light that fades to zero at ``radius`` metres. ``shadowed`` ones cast a cube shadow map."""
+    """Inverse-square light that fades to zero at ``radius`` metres. ``shadowed`` ones cast a cube shadow map.
+
+    ``intensity`` is radiant intensity / pi. A spot shines along ``direction``, in full within half the angle ``cone[0]`` and
+    not at all outside ``cone[1]`` (radians, as glTF's KHR_lights_punctual has it); the default shines everywhere.
+    """
 
     position: tuple[float, float, float]
     intensity: tuple[float, float, float]
     radius: float = 10.0
     shadowed: bool = True
+    direction: tuple[float, float, float] = (0.0, -1.0, 0.0)
+    cone: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -100,11 +114,17 @@ class Sky:
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """A line that a camera may walk along: ``points (N, 3)`` eye positions, looked along or at ``focus`` when given."""
+    """A line that a camera may walk along: ``points (N, 3)`` eye positions, looked along or at ``focus`` when given.
+
+    ``recorded`` replaces both by the scene's own camera: a function from seconds to the camera-to-world matrix ``(4, 4)``
+    (x right, y up, looking down -z), constant for a camera that stands. ``fov`` is vertical, radians.
+    """
 
     name: str
     points: Array
     focus: Array | None = None
+    recorded: Transform | None = None
+    fov: float = 1.05
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,6 @@ from supersampling.render.paths import CameraPath, camera_path, routes_of
 from supersampling.render.renderer import Renderer
 from supersampling.render.scene import Scene
 
-_ALL = frozenset({"color", "depth", "motion"})
-SCOUT_SHADOWS = 256  # texels a side
-
 
 @dataclass(frozen=True, eq=False)
 class Take:
@@ -40,7 +37,7 @@ class Take:
 def propose(scene: Scene, spec: CaptureSpec, rng: np.random.Generator) -> Take:
     """A random take on one of the split's routes, its window anywhere in the frame but its outermost rows."""
     routes = routes_of(scene, spec.split)
-    path = camera_path(routes[rng.integers(len(routes))], rng, spec.frames)
+    path = camera_path(routes[rng.integers(len(routes))], rng, spec.frames, spec.camera)
     width, height = spec.target_size
     x = int(rng.integers(0, spec.frame[0] - width + 1))
     y = int(rng.integers(0, spec.frame[1] - height + 1))
@@ -65,16 +62,10 @@ def interest(low: dict[str, NDArray[np.float32]], scale: int) -> float:
     return calm * min(detail / 0.1, 1.0) * (0.5 + 0.25 * moving + 0.25 * min(edges / 0.06, 1.0))
 
 
-def choose(scene: Scene, spec: CaptureSpec, clips: list[int]) -> dict[int, Take]:
-    """For each clip the most interesting of ``spec.candidates`` seeded proposals; the same for every sample count.
-
-    Looks need no fine shadows, and a new place costs a new shadow map: small ones make this up to thirty times faster.
-    """
-    proposals = {clip: _proposals(scene, spec, clip) for clip in clips}
-    if spec.candidates <= 1 or not clips:
-        return {clip: takes[0] for clip, takes in proposals.items()}
-    with Renderer(scene, shadow_size=SCOUT_SHADOWS) as scout:
-        return {clip: _best(scout, spec, takes) for clip, takes in proposals.items()}
+def choose(renderer: Renderer, spec: CaptureSpec, clip: int) -> Take:
+    """The most interesting of the clip's ``spec.candidates`` seeded proposals; the same for every buffer and sample count."""
+    takes = _proposals(renderer.scene, spec, clip)
+    return takes[0] if len(takes) == 1 else _best(renderer, spec, takes)
 
 
 def _proposals(scene: Scene, spec: CaptureSpec, clip: int) -> list[Take]:
@@ -82,7 +73,7 @@ def _proposals(scene: Scene, spec: CaptureSpec, clip: int) -> list[Take]:
     return [propose(scene, spec, rng) for _ in range(max(spec.candidates, 1))]
 
 
-def _best(scout: Renderer, spec: CaptureSpec, takes: list[Take]) -> Take:
+def _best(renderer: Renderer, spec: CaptureSpec, takes: list[Take]) -> Take:
     scores = []
     for take in takes:
         # Judged at a quarter of the window's resolution, at a moment when every pace is still in motion or already is.
@@ -91,6 +82,6 @@ def _best(scout: Renderer, spec: CaptureSpec, takes: list[Take]) -> Take:
         looks = []
         for moment in (spec.frames // 4, 3 * spec.frames // 4):
             shot = replace(take.shot(min(max(moment, 1), spec.frames - 1)), window=window)
-            looks.append(interest(scout.low(shot, 4, (0.0, 0.0), -2.0, _ALL), 4))
+            looks.append(interest(renderer.look(shot, 4), 4))
         scores.append(float(np.mean(looks)))
     return takes[int(np.argmax(scores))]

@@ -148,13 +148,15 @@ class SunShadows:
         if self._near is None or not np.array_equal(region.centre, self._near.centre):
             self._near = region
             self._near_buffer.clear(depth=1.0)
-            self._render(self._near_buffer, region, ~self._gpu.moving)
+            self._render(self._near_buffer, region, self._gpu.casts & ~self._gpu.moving)
         if not self._far_ready and not self._small:
-            self._render(self._far_buffer, self._far, ~self._gpu.moving)
+            self._render(self._far_buffer, self._far, self._gpu.casts & ~self._gpu.moving)
         self._far_ready = True
         if self._moving_stale:
             self._moving_buffer.clear(depth=1.0)
-        self._moving = self._moving_stale = self._render(self._moving_buffer, region, self._gpu.moving)
+        self._moving = self._moving_stale = self._render(
+            self._moving_buffer, region, self._gpu.casts & self._gpu.moving
+        )
 
     def bind(self, program: moderngl.Program, sun: Sun) -> None:
         assert self._near is not None
@@ -226,13 +228,13 @@ class PointShadows:
         """Brings the tiles of the lights ``rows`` up to date."""
         for row in rows:
             if not self._ready[row]:
-                self._render(row, self._buffer, CUBE_FACE, ~self._gpu.moving)
+                self._render(row, self._buffer, CUBE_FACE, self._gpu.casts & ~self._gpu.moving)
                 self._ready[row] = True
             size = MOVING_CUBE_FACE
             if self._stale[row]:
                 self._moving_buffer.clear(depth=1.0, viewport=(0, row * size, 6 * size, size))
             self.moving[row] = self._stale[row] = self._render(
-                row, self._moving_buffer, size, self._gpu.moving
+                row, self._moving_buffer, size, self._gpu.casts & self._gpu.moving
             )
 
     def bind(self, program: moderngl.Program) -> None:

@@ -23,12 +23,12 @@ class Rendered(Source):
 
     ``train``, ``val`` and ``test`` hold ``clips``, ``frames``, ``targets`` (how many of a clip's last frames get one; null for
     all), ``window`` (``[width, height]``, or null for whole frames), ``samples`` (a side of the target's grid) and
-    ``candidates`` (takes to choose each clip from).
+    ``candidates`` (takes to choose each clip from). ``workers`` processes render, which changes no result.
     """
 
     def __init__(
         self, scenes: str | Sequence[str], folder: str, *, frame: Sequence[int], seed: int, scale: int, jitter: str,
-        mip_bias: str, train: Mapping[str, Any], val: Mapping[str, Any], test: Mapping[str, Any],
+        mip_bias: str, camera: str, workers: int, train: Mapping[str, Any], val: Mapping[str, Any], test: Mapping[str, Any],
     ) -> None:  # fmt: skip
         self._scenes = [scenes] if isinstance(scenes, str) else list(scenes)
         if not self._scenes:
@@ -37,7 +37,14 @@ class Rendered(Source):
             )
         self._folder = Path(folder)
         self._frame = (int(frame[0]), int(frame[1]))
-        self._shared: dict[str, Any] = {"scale": scale, "jitter": jitter, "mip_bias": mip_bias, "seed": seed}
+        self._shared: dict[str, Any] = {
+            "scale": scale,
+            "jitter": jitter,
+            "mip_bias": mip_bias,
+            "seed": seed,
+            "camera": camera,
+        }
+        self._workers = workers
         self._splits = {"train": dict(train), "val": dict(val), "test": dict(test)}
         for split in self._splits:
             for spec in self.specs(split):
@@ -59,7 +66,9 @@ class Rendered(Source):
             for scene in self._scenes
         ]
 
-    def files(self, split: str) -> list[Path]:
-        from supersampling.render.capture import render_file
+    def files(self, splits: Sequence[str], buffers: frozenset[str]) -> dict[str, list[Path]]:
+        from supersampling.render.pool import render_files
 
-        return [render_file(spec, self._folder) for spec in self.specs(split)]
+        specs = {split: self.specs(split) for split in splits}
+        render_files([s for split in splits for s in specs[split]], self._folder, buffers, self._workers)
+        return {split: [self._folder / spec.file_name for spec in specs[split]] for split in splits}

@@ -1,6 +1,7 @@
 """Framebuffers of a frame, made on first use and kept while their size is in use."""
 
 from collections import OrderedDict
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -11,35 +12,100 @@ from supersampling.render.programs import assign
 KEPT = 6  # framebuffers; a frame needs two, and a tiled target's edges up to four
 
 
-class GBuffer:
-    """Depth, material when shaded, motion when asked, and the lit image; row 0 is the top row."""
+# In the order of their attachment; components and type of each.
+_FORMATS = {
+    "depth": (1, "f4"),
+    "albedo": (4, "f2"),
+    "normal": (4, "f2"),
+    "emission": (4, "f2"),
+    "motion": (4, "f4"),
+    "object": (1, "f4"),
+}
+SURFACE = ("depth", "albedo", "normal", "emission")
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], shade: bool, motion: bool) -> None:
-        self.size, self.shade, self.motion = size, shade, motion
-        textures: dict[str, moderngl.Texture] = {"depth": ctx.texture(size, 1, dtype="f4")}
-        if shade:
-            textures |= {name: ctx.texture(size, 4, dtype="f2") for name in ("albedo", "normal", "emission")}
-        if motion:
-            textures["motion"] = ctx.texture(size, 2, dtype="f4")
-        for texture in textures.values():
+
+@dataclass(frozen=True)
+class Needs:
+    """What a G-buffer has to hold: the surface (to light it or to read its material), motion, object ids."""
+
+    surface: bool = False
+    motion: bool = False
+    objects: bool = False
+
+    @property
+    def attachments(self) -> tuple[str, ...]:
+        return (
+            *(SURFACE if self.surface else SURFACE[:1]),
+            *(("motion",) if self.motion else ()),
+            *(("object",) if self.objects else ()),
+        )
+
+    @property
+    def definitions(self) -> tuple[str, ...]:
+        """For the shaders: what is written, and to which attachment."""
+        chosen = {"SHADE": self.surface, "MOTION": self.motion, "OBJECT": self.objects}
+        places = (f"AT_{name.upper()} {k}" for k, name in enumerate(self.attachments))
+        return (*(name for name, on in chosen.items() if on), *places)
+
+
+class GBuffer:
+    """Depth, and what else is needed; row 0 is the top row. The images made from it are attached on first use."""
+
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], needs: Needs) -> None:
+        self.size, self.needs = size, needs
+        self._ctx = ctx
+        self._textures = {
+            name: ctx.texture(size, *_FORMATS[name][:1], dtype=_FORMATS[name][1])
+            for name in needs.attachments
+        }
+        for texture in self._textures.values():
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._textures = textures
         self._depth = ctx.depth_renderbuffer(size)
-        self._buffer = ctx.framebuffer(list(textures.values()), self._depth)
-        if shade:
-            self.shaded = ctx.texture(size, 4, dtype="f4")
-            self._lit = ctx.framebuffer([self.shaded])
+        self._buffer = ctx.framebuffer(list(self._textures.values()), self._depth)
+        self._images: dict[str, moderngl.Texture] = {}
+        self._passes: dict[tuple[str, ...], moderngl.Framebuffer] = {}
 
     def begin(self) -> None:
-        """Clears to sky: depth 1."""
+        """What follows is drawn into every attachment, behind nothing."""
+        if self.needs.surface:  # else nothing was masked
+            self._mask([True] * len(self._textures))
+        self._buffer.depth_mask = True
         self._buffer.use()
-        self._buffer.clear(1.0, 1.0, 1.0, 1.0, depth=1.0)
+        self._buffer.clear(depth=1.0)
 
-    def bind_for_shading(self, program: moderngl.Program) -> None:
-        self._lit.use()
-        for unit, name in enumerate(("depth", "albedo", "normal", "emission")):
+    def emission_alone(self) -> None:
+        """From here on only the emission is written: what is behind keeps its depth, motion and object id."""
+        self._mask([name == "emission" for name in self._textures])
+        self._buffer.depth_mask = False
+        self._buffer.use()
+
+    def _mask(self, written: list[bool]) -> None:
+        # One tuple an attachment, which the stub does not know.
+        self._buffer.color_mask = [(on,) * 4 for on in written]  # type: ignore[assignment]
+
+    def bind(self, program: moderngl.Program) -> None:
+        """The surface as textures of a full-screen pass."""
+        for unit, name in enumerate(SURFACE):
             self._textures[name].use(unit)
             assign(program, **{f"{name}_map": unit})
+
+    def draw_to(self, *names: str) -> None:
+        """The next full-screen pass writes these images."""
+        if names not in self._passes:
+            for name in names:
+                if name not in self._images:
+                    self._images[name] = self._ctx.texture(self.size, 4, dtype="f4")
+                    self._images[name].filter = (moderngl.NEAREST, moderngl.NEAREST)
+            self._passes[names] = self._ctx.framebuffer([self._images[name] for name in names])
+        self._passes[names].use()
+
+    def image(self, name: str) -> moderngl.Texture:
+        return self._images[name]
+
+    def read_image(self, name: str, channels: int) -> NDArray[np.float32]:
+        """``(h, w, channels)`` of an image."""
+        data = np.frombuffer(self._images[name].read(), np.float32)
+        return data.reshape(self.size[1], self.size[0], 4)[..., :channels]
 
     def read(self, name: str) -> NDArray[np.float32]:
         """``(h, w, C)`` of one attachment."""
@@ -47,19 +113,12 @@ class GBuffer:
         data = self._buffer.read(components=channels, attachment=index, dtype="f4")
         return np.frombuffer(data, np.float32).reshape(self.size[1], self.size[0], channels)
 
-    def read_shaded(self) -> NDArray[np.float32]:
-        """``(h, w, 3)`` display-referred colour."""
-        data = self._lit.read(components=3, dtype="f4")
-        return np.frombuffer(data, np.float32).reshape(self.size[1], self.size[0], 3)
-
     def release(self) -> None:
-        self._buffer.release()
-        self._depth.release()
-        for texture in self._textures.values():
+        for buffer in (self._buffer, *self._passes.values()):
+            buffer.release()
+        for texture in (*self._textures.values(), *self._images.values()):
             texture.release()
-        if self.shade:
-            self._lit.release()
-            self.shaded.release()
+        self._depth.release()
 
 
 class Targets:
@@ -67,11 +126,11 @@ class Targets:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._kept: OrderedDict[tuple[tuple[int, int], bool, bool], GBuffer] = OrderedDict()
+        self._kept: OrderedDict[tuple[tuple[int, int], Needs], GBuffer] = OrderedDict()
         self._resolved: OrderedDict[tuple[int, int], moderngl.Framebuffer] = OrderedDict()
 
-    def gbuffer(self, size: tuple[int, int], shade: bool, motion: bool) -> GBuffer:
-        key = (size, shade, motion)
+    def gbuffer(self, size: tuple[int, int], needs: Needs) -> GBuffer:
+        key = (size, needs)
         if key not in self._kept:
             self._kept[key] = GBuffer(self._ctx, *key)
         self._kept.move_to_end(key)

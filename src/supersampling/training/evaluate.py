@@ -10,8 +10,9 @@ from omegaconf import DictConfig, OmegaConf
 
 from supersampling.data.module import Source, fingerprint
 from supersampling.errors import UserError
+from supersampling.metrics.suite import Suite
 from supersampling.models.base import Upsampler
-from supersampling.training.evaluation import METRICS
+from supersampling.training.evaluation import evaluation_requires, metrics_of
 from supersampling.training.fit import load_weights
 from supersampling.training.identity import flat_parameters
 from supersampling.training.job import evaluate, experiment_of, log_result, method_name
@@ -34,13 +35,15 @@ def evaluate_command(cfg: DictConfig) -> None:
     else:
         model, method, params = _from_config(cfg), method_name(choices), flat_parameters(cfg, choices, False)
     source: Source = instantiate(cfg.data)
-    files = source.files("test")
-    result = evaluate(model, files)
-    print(result.clips.groupby("scene", sort=False)[list(METRICS)].mean().round(4).to_string())
+    metrics: Suite = instantiate(cfg.metrics)
+    requires = evaluation_requires(model, metrics)
+    files = source.files(["test"], requires)["test"]
+    result = evaluate(model, metrics, files)
+    print(result.clips.groupby("scene", sort=False)[metrics_of(result.clips)].mean().round(4).to_string())
     print(
         f"mean over {len(result.clips)} clips: {result.clips['psnr'].mean():.2f} dB, SSIM {result.clips['ssim'].mean():.4f}"
     )
-    tags = {"ss.kind": "evaluation", "ss.dataset": fingerprint(files), "ss.method": method}
+    tags = {"ss.kind": "evaluation", "ss.dataset": fingerprint(files, ["target"]), "ss.method": method}
     run_id = experiment.start(f"evaluate {method}", tags, None)
     experiment.log_params(run_id, params)
     log_result(experiment, run_id, result, {})

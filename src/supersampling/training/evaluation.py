@@ -14,11 +14,10 @@ from supersampling.data.clips import ClipName, WholeClips
 from supersampling.data.store import spec_of
 from supersampling.errors import UserError
 from supersampling.frames import Frame
-from supersampling.metrics.image import mssim_thesis, psnr, ssim_gauss11
-from supersampling.metrics.temporal import spatial_loss, temporal_loss
+from supersampling.metrics.suite import Moment, Suite
 from supersampling.models.base import Upsampler
 
-METRICS = ("psnr", "ssim", "mssim_thesis", "spatial", "temporal")
+PLACE = ["scene", "clip", "frame"]
 
 
 @dataclass(frozen=True)
@@ -46,12 +45,12 @@ def device_of(model: nn.Module) -> torch.device:
 
 
 @torch.inference_mode()
-def score(model: Upsampler, clips: WholeClips, *, progress: bool = True) -> Iterator[ScoredFrame]:
-    """Run ``model`` over every clip and score every frame.
+def score(
+    model: Upsampler, metrics: Suite, clips: WholeClips, *, progress: bool = True
+) -> Iterator[ScoredFrame]:
+    """Run ``model`` over every clip and score every frame, in float32, not quantised.
 
-    Scores: ``psnr`` in dB, ``ssim`` (Gaussian 11, sigma 1.5), ``mssim_thesis``, ``spatial`` and ``temporal`` (the two losses
-    of DLCTUS table 10; the first frame of a clip has no temporal one: NaN). Outputs are scored in float32, not quantised.
-    ``clips`` has to carry motion beside what the model reads.
+    ``clips`` has to carry colour and what the metrics read beside what the model reads: see `evaluation_requires`.
     """
     model.eval()
     device = device_of(model)
@@ -63,37 +62,40 @@ def score(model: Upsampler, clips: WholeClips, *, progress: bool = True) -> Iter
         for t in range(length):
             output, state = model(Frame.of(batch, t), state)
             target = batch["target"][:, t]
-            scores = {
-                "psnr": psnr(output, target).item(),
-                "ssim": ssim_gauss11(output, target).item(),
-                "mssim_thesis": mssim_thesis(output, target).item(),
-                "spatial": float("nan"),
-                "temporal": float("nan"),
-            }
-            if previous is not None:
-                motion = batch["motion"][:, t]
-                scores["spatial"] = spatial_loss(output, target, *previous, motion).item()
-                scores["temporal"] = temporal_loss(output, target, *previous, motion).item()
+            motion = batch["motion"][:, t] if "motion" in metrics.requires else None
+            scores = metrics(Moment(output, target, previous, motion))
             previous = (output, target)
             yield ScoredFrame(name, t, length, batch["color"][:, t], target, output, scores)
 
 
 def by_clip(frames: pd.DataFrame) -> pd.DataFrame:
     """Means over each clip's frames (frames without a value left out)."""
-    return frames.groupby(["scene", "clip"], sort=False)[list(METRICS)].mean().reset_index()
+    means = frames.drop(columns="frame").groupby(["scene", "clip"], sort=False).mean()
+    return means.reset_index()
+
+
+def metrics_of(table: pd.DataFrame) -> list[str]:
+    """The columns that are metrics."""
+    return [str(name) for name in table.columns if name not in PLACE]
 
 
 def summary(clips: pd.DataFrame) -> dict[str, float]:
     """``test/<metric>`` over all clips and ``test/<scene>/<metric>`` for each scene, its ``/`` written ``_``."""
-    means = {f"test/{m}": float(clips[m].mean()) for m in METRICS}
+    names = metrics_of(clips)
+    means = {f"test/{m}": float(clips[m].mean()) for m in names}
     for scene, rows in clips.groupby("scene", sort=False):
-        for m in METRICS:
+        for m in names:
             means[f"test/{str(scene).replace('/', '_')}/{m}"] = float(rows[m].mean())
     return means
 
 
-def whole_clips(paths: list[Path], model: Upsampler) -> WholeClips:
-    """Whole clips with what scoring a model reads: its inputs, and colour and motion for crops and the temporal loss.
+def evaluation_requires(model: Upsampler, metrics: Suite) -> frozenset[str]:
+    """The buffers that scoring reads: the model's, the metrics', and the colour that crops show."""
+    return model.requires | metrics.requires | {"color"}
+
+
+def whole_clips(paths: list[Path], requires: frozenset[str]) -> WholeClips:
+    """Whole clips with these buffers.
 
     Raises:
         UserError: a file without a target for every frame.
@@ -104,4 +106,4 @@ def whole_clips(paths: list[Path], model: Upsampler) -> WholeClips:
             raise UserError(
                 f"{path} lacks the targets of its clips' first frames, so it cannot be scored: name a test file."
             )
-    return WholeClips(paths, model.requires | {"color", "motion"})
+    return WholeClips(paths, requires)

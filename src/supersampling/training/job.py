@@ -18,10 +18,11 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from supersampling.data.module import Source, fingerprint
 from supersampling.data.spec import SPLITS
 from supersampling.errors import was_interrupted
+from supersampling.metrics.suite import Suite
 from supersampling.models.base import Upsampler
 from supersampling.training.check import check_numbers
 from supersampling.training.crops import save_crops, strip
-from supersampling.training.evaluation import by_clip, score, summary, whole_clips
+from supersampling.training.evaluation import by_clip, evaluation_requires, score, summary, whole_clips
 from supersampling.training.fit import choose_constants, fit
 from supersampling.training.identity import flat_parameters, identity
 from supersampling.training.tracking import PARENT_VARIABLE, Experiment, open_experiment
@@ -40,18 +41,35 @@ def train(cfg: DictConfig) -> None:
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
     source: Source = instantiate(cfg.data)
-    files = {split: source.files(split) for split in SPLITS}
+    jobs = [*_baselines(cfg), (cfg, dict(HydraConfig.get().runtime.choices))]
+    files = source.files(SPLITS, frozenset().union(*(required_buffers(composed) for composed, _ in jobs)))
+    for composed, choices in jobs:
+        Job(composed, choices, files, experiment, announce=composed is cfg).run()
+
+
+def _baselines(cfg: DictConfig) -> list[tuple[DictConfig, dict[str, str]]]:
+    """Each baseline composed as this job is, but for its method."""
     hydra = HydraConfig.get()
     kept = [
         o for o in hydra.overrides.task if not o.lstrip("+~").startswith(("model", "loss", "sweeps", "tune"))
     ]
+    jobs = []
     for baseline in cfg.baselines:
         composed = compose(hydra.job.config_name, [*kept, *baseline], return_hydra_config=True)
         choices = dict(composed.hydra.runtime.choices)
         with open_dict(composed):
             del composed["hydra"]
-        Job(composed, choices, files, experiment, announce=False).run()
-    Job(cfg, dict(hydra.runtime.choices), files, experiment).run()
+        jobs.append((composed, choices))
+    return jobs
+
+
+def required_buffers(cfg: DictConfig) -> frozenset[str]:
+    """All that a configuration reads: what its model and metrics read and, if it is trained, its loss and choice of windows."""
+    model: Upsampler = instantiate(cfg.model)
+    names = evaluation_requires(model, instantiate(cfg.metrics))
+    if any(p.requires_grad for p in model.parameters()):
+        names |= instantiate(cfg.loss).requires | instantiate(cfg.pick).requires
+    return names
 
 
 @dataclass(frozen=True)
@@ -68,7 +86,8 @@ class Job:
         """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint."""
         model: Upsampler = instantiate(self.cfg.model)
         learned = any(p.requires_grad for p in model.parameters())
-        key = identity(self.cfg, {s: fingerprint(f) for s, f in self.files.items()}, learned)
+        names = required_buffers(self.cfg)
+        key = identity(self.cfg, {s: fingerprint(f, names) for s, f in self.files.items()}, learned)
         folder = Path(self.cfg.paths.checkpoints) / key
         folder.mkdir(parents=True, exist_ok=True)
         lock = FileLock(folder / "lock")
@@ -121,7 +140,7 @@ class Job:
         tags = {
             "ss.kind": "job",
             "ss.identity": key,
-            "ss.dataset": fingerprint(self.files["test"]),
+            "ss.dataset": fingerprint(self.files["test"], ["target"]),
             "ss.method": method_name(self.choices),
         }
         run_id = self.experiment.start(name, tags, parent)
@@ -135,7 +154,7 @@ class Job:
         return model
 
     def _score(self, model: Upsampler, run_id: str) -> None:
-        result = evaluate(model, self.files["test"])
+        result = evaluate(model, instantiate(self.cfg.metrics), self.files["test"])
         count = sum(p.numel() for p in model.parameters())
         log_result(self.experiment, run_id, result, {"model/parameters": float(count)})
 
@@ -166,12 +185,12 @@ class Result:
     crops: tempfile.TemporaryDirectory
 
 
-def evaluate(model: Upsampler, paths: list[Path]) -> Result:
+def evaluate(model: Upsampler, metrics: Suite, paths: list[Path]) -> Result:
     """Score ``model`` on whole test clips and keep the crops of each scene's first clip's last frame."""
     crops = tempfile.TemporaryDirectory(prefix="crops")
     scored: list[dict] = []
     scenes: list[str] = []
-    for frame in score(model, whole_clips(paths, model)):
+    for frame in score(model, metrics, whole_clips(paths, evaluation_requires(model, metrics))):
         scored.append(frame.row)
         if frame.index == frame.length - 1 and frame.name.clip == 0:
             save_crops(frame, Path(crops.name), len(scenes))

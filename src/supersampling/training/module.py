@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from torch.optim import Optimizer
 from torch.optim.lr_scheduler import LRScheduler
 
-from supersampling.frames import Frame
+from supersampling.frames import Frame, length_of
 from supersampling.losses import Loss
 from supersampling.metrics.image import psnr
 from supersampling.models.base import Upsampler
@@ -20,7 +20,7 @@ SchedulerFactory = Callable[[Optimizer], LRScheduler]
 
 def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
     """Run a model over a clip from its first frame; the outputs of the last ``keep`` frames, ``(B, keep, 3, H, W)``."""
-    length = clip["color"].shape[1]
+    length = length_of(clip)
     state, outputs = None, []
     for t in range(length):
         output, state = model(Frame.of(clip, t), state)

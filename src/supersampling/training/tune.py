@@ -8,7 +8,7 @@ import torch
 from tqdm import tqdm
 
 from supersampling.data.clips import WholeClips
-from supersampling.frames import Frame
+from supersampling.frames import Frame, length_of
 from supersampling.metrics.image import psnr
 from supersampling.models.base import Upsampler
 
@@ -21,9 +21,11 @@ def _mean_psnr(model: Upsampler, clips: list[dict[str, torch.Tensor]]) -> float:
     values = []
     for clip in clips:
         state = None
-        first = len(clip["color"]) - len(clip["target"])
-        for t in range(len(clip["color"])):
-            output, state = model(Frame.of({k: v.unsqueeze(0) for k, v in clip.items()}, t), state)
+        batch = {name: values.unsqueeze(0) for name, values in clip.items()}
+        length = length_of(batch)
+        first = length - len(clip["target"])
+        for t in range(length):
+            output, state = model(Frame.of(batch, t), state)
             if t >= max(first, WARM_UP):
                 values.append(psnr(output, clip["target"][t - first : t - first + 1]).item())
     return float(np.mean(values))

@@ -1,7 +1,7 @@
 layout(std140, binding = 0) uniform MaterialBlock {
     vec4 base_color;
     vec4 emission;  // a: double sided
-    vec4 factors;   // roughness, metallic, alpha cutoff
+    vec4 factors;   // roughness, metallic, alpha cutoff, interface
 } material;
 
 uniform sampler2D albedo_map;
@@ -22,17 +22,21 @@ in vec4 tangent;
 in vec3 current;
 in vec3 previous;
 #endif
+#ifdef OBJECT
+flat in float object;
+#endif
 
 layout(location = 0) out float out_depth;
 #ifdef SHADE
-layout(location = 1) out vec4 out_albedo;    // linear albedo, roughness
-layout(location = 2) out vec4 out_normal;    // world normal, metallic
-layout(location = 3) out vec4 out_emission;  // linear radiance
-#ifdef MOTION
-layout(location = 4) out vec2 out_motion;
+layout(location = AT_ALBEDO) out vec4 out_albedo;      // linear albedo, roughness
+layout(location = AT_NORMAL) out vec4 out_normal;      // world normal, metallic
+layout(location = AT_EMISSION) out vec4 out_emission;  // linear radiance; a = 1: an element of the interface
 #endif
-#elif defined(MOTION)
-layout(location = 1) out vec2 out_motion;
+#ifdef MOTION
+layout(location = AT_MOTION) out vec4 out_motion;  // motion, the previous view depth in metres
+#endif
+#ifdef OBJECT
+layout(location = AT_OBJECT) out float out_object;
 #endif
 
 void main() {
@@ -45,7 +49,11 @@ void main() {
     out_depth = (1.0 / gl_FragCoord.w - depth_range.x) * depth_range.y;
 #ifdef MOTION
     // A point behind the previous camera has no place in its image; a far-away one stands for it.
-    out_motion = 0.5 * (previous.xy / max(previous.z, 1e-4) - current.xy / current.z);
+    vec2 moved = 0.5 * (previous.xy / max(previous.z, 1e-4) - current.xy / current.z);
+    out_motion = vec4(moved, previous.z, 1.0);
+#endif
+#ifdef OBJECT
+    out_object = object;
 #endif
 #ifdef SHADE
     vec3 surface = vec3(1.0);
@@ -67,6 +75,6 @@ void main() {
     vec3 base = albedo.rgb * color * material.base_color.rgb;
     out_albedo = vec4(base, clamp(surface.r * material.factors.x, 0.0, 1.0));
     out_normal = vec4(n, clamp(surface.g * material.factors.y, 0.0, 1.0));
-    out_emission = vec4(material.emission.rgb * albedo.rgb * surface.b, 1.0);
+    out_emission = vec4(material.emission.rgb * albedo.rgb * surface.b, material.factors.w);
 #endif
 }

@@ -4,10 +4,13 @@ in vec2 in_uv;
 in vec4 in_tangent;
 in vec4 in_color;
 in mat4 in_current;   // unjittered object-to-clip, this instant
-in mat4 in_previous;  // unjittered object-to-clip, the previous instant
+in vec4 in_previous_x;  // rows of the unjittered object-to-clip matrix of the previous instant
+in vec4 in_previous_y;
+in vec4 in_previous_w;
 in vec4 in_model_0;
 in vec4 in_model_1;
 in vec4 in_model_2;
+in float in_object;
 
 uniform vec2 jitter;  // of the sample, clip space
 
@@ -23,13 +26,20 @@ out vec4 tangent;
 out vec3 current;
 out vec3 previous;
 #endif
+#ifdef OBJECT
+flat out float object;
+#endif
 
 void main() {
     vec4 clip = in_current * vec4(in_position, 1.0);
     uv = in_uv;
 #ifdef MOTION
     current = clip.xyw;
-    previous = (in_previous * vec4(in_position, 1.0)).xyw;
+    vec4 p = vec4(in_position, 1.0);
+    previous = vec3(dot(in_previous_x, p), dot(in_previous_y, p), dot(in_previous_w, p));
+#endif
+#ifdef OBJECT
+    object = in_object;
 #endif
 #ifdef SHADE
     vec3 x = in_model_0.xyz, y = in_model_1.xyz, z = in_model_2.xyz;  // rows

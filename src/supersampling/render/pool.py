@@ -1,0 +1,123 @@
+"""Renders many data set files by several processes, each clip by one of them."""
+
+import multiprocessing
+import os
+import signal
+import time
+import traceback
+from collections.abc import Sequence
+from multiprocessing.queues import Queue
+from multiprocessing.sharedctypes import Synchronized
+from pathlib import Path
+
+from tqdm import tqdm
+
+from supersampling.data.spec import CaptureSpec
+from supersampling.errors import UserError
+from supersampling.render.capture import DataFile, Studio
+from supersampling.render.content import check_scene
+from supersampling.render.scene import Scene
+
+_POLL = 0.2  # seconds
+
+
+def render_files(
+    specs: Sequence[CaptureSpec],
+    folder: Path,
+    names: frozenset[str],
+    workers: int = 1,
+    scene: Scene | None = None,
+) -> list[Path]:
+    """Render what is missing of these data set files by ``workers`` processes, and return their paths.
+
+    Clips that another running command is at are waited for. ``scene`` stands for the one that the specifications name; it
+    cannot go to another process.
+
+    Raises:
+        UserError: a wrong specification or buffer, no such scene, no OpenGL, or no space.
+    """
+    files = [DataFile(spec, folder, names) for spec in specs]
+    if scene is None:
+        for name in sorted({file.spec.scene for file in files if file.missing()}):
+            check_scene(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(
+            f"Cannot make the data folder {folder}: {error.strerror}. Set paths.data to another one."
+        ) from error
+    while any(file.missing() for file in files):
+        clips = [len(file.waiting()) * file.spec.frames for file in files]
+        workers_needed = min(workers, sum(len(file.waiting()) for file in files))
+        with tqdm(total=sum(clips), desc="render", unit="frame", mininterval=1.0, delay=1.0) as bar:
+            if workers_needed > 1 and scene is None:
+                _by_processes(specs, folder, names, workers_needed, bar)
+            else:
+                _alone(files, scene, bar)
+        if any(file.missing() for file in files):
+            time.sleep(_POLL)  # another command is at the rest
+    return [file.path for file in files]
+
+
+def _alone(files: Sequence[DataFile], scene: Scene | None, bar: tqdm) -> None:
+    with Studio(scene) as studio:
+        for file in files:
+            bar.set_description(f"render {file.spec.scene} {file.spec.split}", refresh=False)
+            file.work(studio, bar.update)
+
+
+def _by_processes(
+    specs: Sequence[CaptureSpec], folder: Path, names: frozenset[str], workers: int, bar: tqdm
+) -> None:
+    # Spawned, since an OpenGL context and PyTorch's threads do not survive a fork.
+    context = multiprocessing.get_context("spawn")
+    frames, errors = context.Value("l", 0), context.Queue()
+    arguments = (list(specs), folder, names, frames, errors, os.getpid())
+    processes = [context.Process(target=_worker, args=arguments, daemon=True) for _ in range(workers)]
+    try:
+        for process in processes:
+            process.start()
+        while any(process.is_alive() for process in processes):
+            time.sleep(_POLL)
+            bar.update(frames.value - bar.n)
+            if not errors.empty():
+                raise _as_raised(*errors.get())
+        for process in processes:
+            process.join()
+        if not errors.empty():
+            raise _as_raised(*errors.get())
+        for process in processes:
+            if process.exitcode != 0:
+                raise RuntimeError(f"A rendering process ended with status {process.exitcode}.")
+    finally:
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.join()
+
+
+def _as_raised(by_user: bool, text: str) -> Exception:
+    return UserError(text) if by_user else RuntimeError(f"A rendering process failed:\n{text}")
+
+
+def _worker(
+    specs: list[CaptureSpec], folder: Path, names: frozenset[str], frames: "Synchronized[int]",
+    errors: "Queue[tuple[bool, str]]", parent: int,
+) -> None:  # fmt: skip
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
+    os.environ["LP_NUM_THREADS"] = "1"  # Mesa's software rasteriser: one core a process
+
+    def step() -> None:
+        if os.getppid() != parent:
+            os._exit(1)  # the parent was killed
+        with frames.get_lock():
+            frames.value += 1
+
+    try:
+        with Studio() as studio:
+            for spec in specs:
+                DataFile(spec, folder, names).work(studio, step)
+    except UserError as error:
+        errors.put((True, str(error)))
+    except Exception:
+        errors.put((False, traceback.format_exc()))

@@ -1,0 +1,61 @@
+"""Routes to try cameras on, and what is measured of their paths."""
+
+from itertools import groupby, pairwise
+
+import numpy as np
+
+from supersampling.render.paths import CameraPath, camera_path
+from supersampling.render.scene import Route
+
+STYLES = ("walk", "head", "stops", "fast", "still", "mixed")
+BENT = [(0, 1.6, 0), (0, 1.6, -6), (3, 1.6, -9)]
+ROUTE = Route("line", np.array(BENT, dtype=np.float32))
+
+
+def route(name: str, points: list, focus: list | None = None, fov: float = 1.05) -> Route:
+    looked_at = None if focus is None else np.array(focus, dtype=np.float32)
+    return Route(name, np.array(points, dtype=np.float32), looked_at, fov=fov)
+
+
+ROUTES = (
+    route("bent", BENT),
+    route("focus", BENT, [(8, 1, -3), (8, 2, -8)], fov=0.7),
+    route("long", [(20 * np.cos(a), 1.5, 20 * np.sin(a)) for a in np.linspace(0, 6, 40)]),
+    route("point", [(1, 2, 3)]),
+    route("point and focus", [(1, 2, 3)], [(4, 2, 3), (6, 2, 5)]),
+    route("no length", [(1, 2, 3), (1, 2, 3)]),
+    route("straight up", [(0, 1, 0), (0, 4, 0)]),
+    route("over its focus", [(0, 5, 3), (0, 5, -3)], [(0, 0, 0)]),
+)
+
+
+def path(style: str, seed: int = 0, frames: int = 60, on: Route = ROUTE) -> CameraPath:
+    return camera_path(on, np.random.default_rng(seed), frames, style)
+
+
+def eyes(p: CameraPath) -> np.ndarray:
+    return np.stack([-c.view[:3, :3].T @ c.view[:3, 3] for c in p.cameras])
+
+
+def spins(p: CameraPath) -> np.ndarray:
+    """Angular velocity ``(T - 1, 3)`` in degrees a second, from the skew part of the rotation from frame to frame."""
+    turns = [b.view[:3, :3] @ a.view[:3, :3].T for a, b in pairwise(p.cameras)]
+    skew = [(r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]) for r in turns]
+    return np.degrees(np.array(skew) / 2).reshape(-1, 3) * 60
+
+
+def speeds(p: CameraPath) -> np.ndarray:
+    """Degrees a second ``(T - 1,)``."""
+    return np.linalg.norm(spins(p), axis=1)
+
+
+def stands(p: CameraPath) -> list[bool]:
+    """Whether each frame but the first has exactly the view of the one before it."""
+    return [bool((a.view == b.view).all()) for a, b in pairwise(p.cameras)]
+
+
+def stop_lengths(p: CameraPath) -> list[int]:
+    """Frames that each stop stands, leaving one out that the clip's end cuts short."""
+    runs = [(same, len(list(run))) for same, run in groupby(stands(p))]
+    whole = runs[:-1] if runs[-1][0] else runs
+    return [n + 1 for same, n in whole if same]
