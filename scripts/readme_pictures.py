@@ -1,13 +1,13 @@
-"""Make the README's pictures: stills of scenes, and the crops of the newest finished runs of one data set.
+"""Make the README's pictures: a contact sheet of the scenes, and the crops of the newest finished runs of one data set.
 
-python scripts/readme_pictures.py       writes docs/images/scenes.jpg and docs/images/crops.png
+python scripts/readme_pictures.py [scenes] [crops]      writes docs/images/scenes.jpg, docs/images/crops.png; both by default
 """
 
+import sys
 from pathlib import Path
 
 import mlflow
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from supersampling.render.camera import Shot, Window
@@ -17,18 +17,32 @@ from supersampling.render.renderer import Renderer
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
-STILLS = (("atrium", 2, 0), ("foundry", 0, 4), ("stk/black_forest", 1, 1), ("stk/ravenbridge_mansion", 0, 0))
+STILLS = (  # scene, route, seed
+    ("airstrip", 5, 0), ("arena", 7, 0), ("atrium", 2, 0), ("bar", 8, 1),
+    ("foundry", 0, 4), ("louvres", 7, 0), ("market", 0, 0), ("sundial", 0, 1),
+    ("turntable", 6, 0), ("stk/black_forest", 1, 1), ("stk/ravenbridge_mansion", 0, 0), ("stk/zengarden", 0, 0),
+)  # fmt: skip
+COLUMNS = 4
 METHODS = ("bicubic", "jau", "tus", "dlctus")
 
 
-def still(name: str, route: int, seed: int) -> NDArray[np.uint8]:
-    """A 640x360 picture from a scene's route."""
+def still(name: str, route: int, seed: int) -> Image.Image:
+    """A 400x225 picture from a scene's route, with its name."""
     scene = load_scene(name)
     path = camera_path(scene.routes[route], np.random.default_rng(seed), 8)
-    window = Window(640, 360, 0, 0, 640, 360)
+    window = Window(400, 225, 0, 0, 400, 225)
     shot = Shot(path.cameras[5], path.cameras[4], path.seconds[5], path.seconds[4], window)
     with Renderer(scene) as renderer:
-        return np.round(255.0 * renderer.target(shot, 4, 0.0)).astype(np.uint8)
+        picture = Image.fromarray(np.round(255.0 * renderer.target(shot, 4, 0.0)).astype(np.uint8))
+    draw = ImageDraw.Draw(picture)
+    draw.text((8, 6), name, fill="white", stroke_width=2, stroke_fill="black", font_size=16)
+    return picture
+
+
+def contact_sheet() -> Image.Image:
+    stills = [np.asarray(still(*each)) for each in STILLS]
+    rows = [np.concatenate(stills[k : k + COLUMNS], axis=1) for k in range(0, len(stills), COLUMNS)]
+    return Image.fromarray(np.concatenate(rows))
 
 
 def crops() -> Image.Image:
@@ -58,10 +72,11 @@ def crops() -> Image.Image:
 
 def main() -> None:
     IMAGES.mkdir(parents=True, exist_ok=True)
-    stills = [still(*each) for each in STILLS]
-    sheet = np.concatenate([np.concatenate(stills[:2], axis=1), np.concatenate(stills[2:], axis=1)])
-    Image.fromarray(sheet).save(IMAGES / "scenes.jpg", quality=85)
-    crops().save(IMAGES / "crops.png", optimize=True)
+    asked = sys.argv[1:] or ["scenes", "crops"]
+    if "scenes" in asked:
+        contact_sheet().save(IMAGES / "scenes.jpg", quality=85)
+    if "crops" in asked:
+        crops().save(IMAGES / "crops.png", optimize=True)
 
 
 if __name__ == "__main__":

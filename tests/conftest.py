@@ -93,7 +93,7 @@ def make_file() -> Callable[..., Path]:
         path = folder / spec.file_name
         parts = [folder / f"{split}_{k}.clip" for k in range(clips)]
         for part, clip in zip(parts, made):
-            with ClipWriter(part, {name: frames for name in clip}) as writer:
+            with ClipWriter(part, dict.fromkeys(clip, frames)) as writer:
                 for name, values in clip.items():
                     for image in values:
                         writer.add(name, image)

@@ -22,6 +22,7 @@ def test_it_runs(path, make_file, tmp_path, monkeypatch):
     subprocess.run(
         [sys.executable, "train.py", *job, baselines], cwd=ROOT, check=True, capture_output=True, timeout=300
     )
+    monkeypatch.setitem(os.environ, "SUPERSAMPLING_FILE", str(make_file(tmp_path, "test")))
     monkeypatch.setitem(os.environ, "MLFLOW_TRACKING_URI", f"sqlite:///{tmp_path}/mlflow.db")
     notebook = nbformat.read(path, as_version=4)
     NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(path.parent)}}).execute()

@@ -10,8 +10,8 @@ from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.render import capture
 from supersampling.render.check import check_spec
-from supersampling.render.pool import render_files
 from supersampling.render.jitter import thesis_4x4
+from supersampling.render.pool import render_files
 from supersampling.render.scene import Material, Mesh, Object, Route, Scene, Sky
 
 USUAL = frozenset({"color", "depth", "motion", "jitter", "target"})
@@ -19,7 +19,7 @@ SPEC = CaptureSpec("wall", "train", 3, 4, 4, (192, 108), (64, 64), 4, "thesis", 
 
 
 def render_file(spec: CaptureSpec, folder, scene: Scene | None = None, names: frozenset[str] = USUAL):
-    return render_files([spec], folder, names, 1, scene)[0]
+    return render_files([spec], folder, names, scene=scene)[0]
 
 
 def quad(width: float, height: float, z: float, repeats: float, material: int) -> Mesh:

@@ -1,5 +1,7 @@
 """The material buffers, their demodulation, the interface and the furnace, against what the scene says."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -13,6 +15,7 @@ from supersampling.render.scene import Material, Object, PointLight, Scene, Sky
 
 LOW = frozenset(n for n, b in BUFFERS.items() if b.resolution == "low")
 HIGH = frozenset(n for n, b in BUFFERS.items() if b.resolution == "high")
+_TEXELS = {"albedo": (200, 90, 30), "glow": (40, 120, 250), "surface": (128, 64, 51)}
 WHITE = Sky((1.0, 1.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 1.0), 1.0)
 
 
@@ -93,6 +96,30 @@ def test_buffers_hold_what_the_materials_say(painted):
     np.testing.assert_allclose(out["radiance"][sky], out["emission"][sky], rtol=1e-6)
 
 
+def test_a_glow_map_stands_beside_the_albedo():
+    """The left wall emits its glow map alone, the right one, without it, its albedo under the surface map's mask."""
+    texels = {name: np.full((2, 2, 3), value, np.uint8) for name, value in _TEXELS.items()}
+    mask = Material("mask", texels["albedo"], None, texels["surface"])
+    mask = replace(mask, base_color=(0.5, 0.5, 0.5), emission=(4.0, 2.0, 1.0))
+    lamps = replace(mask, name="lamps", glow=texels["glow"])
+    world = scene([lamps, mask], [wall(-4, 0, -4, 4, -3, 0), wall(0, 4, -4, 4, -3, 1)])
+    names = frozenset({"emission", "albedo", "radiance", "object_id"})
+    with Renderer(replace(world, exposure=2.0), 64) as draw:
+        out = draw.low(still(camera(), FRAME), 1, (0.0, 0.0), 0.0, names)
+    linear = {name: ((np.array(v) / 255 + 0.055) / 1.055) ** 2.4 for name, v in _TEXELS.items()}
+    wanted = (linear["glow"], linear["albedo"] * _TEXELS["surface"][2] / 255)
+    for number, factor in enumerate(wanted, start=1):
+        seen = out["object_id"][..., 0] == number
+        assert seen.mean() > 0.4
+        emitted = np.tile(2.0 * np.array((4.0, 2.0, 1.0)) * factor, (seen.sum(), 1))
+        # The software renderer decodes sRGB by a polynomial.
+        np.testing.assert_allclose(out["emission"][seen], emitted, rtol=0.02)
+        np.testing.assert_allclose(out["radiance"][seen], emitted, rtol=0.02)  # nothing else is lit
+        np.testing.assert_allclose(
+            out["albedo"][seen], np.tile(0.5 * linear["albedo"], (seen.sum(), 1)), rtol=0.02
+        )
+
+
 def test_radiance_is_material_times_lighting_at_both_resolutions(painted):
     view = camera((0, 0, 0), turn(0.1, -0.05))
     with Renderer(painted, 64) as draw:
@@ -141,7 +168,7 @@ def test_an_element_of_the_interface_shows_over_what_it_leaves_alone():
         plain = draw.low(shot, 1, (0.0, 0.0), 0.0, LOW)
     for name in ("depth", "motion", "motion_dual", "normal", "albedo"):
         np.testing.assert_array_equal(out[name], plain[name])
-    covered = np.isclose(out["emission"], 0.25, atol=1e-3).all(axis=-1)
+    covered = np.all(np.isclose(out["emission"], 0.25, atol=1e-3), axis=-1)
     size = round(96 / 2 / np.tan(0.5) / 3)  # half a metre's worth of pixels at 3 m, per metre
     middle = covered[48 - size // 2 : 48 + size // 2]
     assert 0.2 < covered.mean() < 0.5
@@ -188,3 +215,29 @@ def test_a_spot_shines_within_its_cone():
     scale = 1 / (np.cos(0.3) - np.cos(0.5))
     expected = np.clip((np.cos(angle) - np.cos(0.5)) * scale, 0, 1) ** 2
     np.testing.assert_allclose(images[0], images[1] * expected, atol=0.02 * images[1].max())
+
+
+@pytest.mark.parametrize("jitter", [(0.0, 0.0), (0.3, -0.4)])
+@pytest.mark.parametrize("step", [(5, 0), (-3, 4)])
+def test_dual_motion_marks_exactly_the_band_behind_a_sliding_square(step, jitter):
+    """NSRD, supplement, section 2: a square of 30 pixels slides over a plane, in whole pixels, its edges between pixels."""
+    pixel = 2 * 3.0 * np.tan(0.5) / 96  # metres a pixel at the square's distance
+    square = wall(-15 * pixel, 15 * pixel, -15 * pixel, 15 * pixel, -3.0, 1)
+
+    def slide(seconds: float) -> np.ndarray:
+        return shift(step[0] * pixel * seconds, -step[1] * pixel * seconds, 0.0)
+
+    world = scene([glow(0.3), glow(0.8)], [wall(-9, 9, -9, 9, -6), square], [shift(0, 0, 0), slide])
+    shot = Shot(camera(), camera(), 1.0, 0.0, FRAME)
+    names = frozenset({"motion", "motion_dual", "object_id"})
+    with Renderer(world, 64) as draw:
+        out = draw.low(shot, 1, jitter, 0.0, names)
+    rows, columns = np.mgrid[0:96, 0:96]
+
+    def covered(x: int, y: int) -> np.ndarray:
+        return (np.abs(columns + 0.5 - 48 - x) < 15) & (np.abs(rows + 0.5 - 48 - y) < 15)
+
+    now = covered(*step)
+    np.testing.assert_array_equal(out["object_id"][..., 0] == 2, now)
+    difference = np.abs(out["motion_dual"] - out["motion"]) * 96
+    np.testing.assert_array_equal((difference >= 0.1).any(axis=-1), covered(0, 0) & ~now)

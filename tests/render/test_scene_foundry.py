@@ -4,18 +4,18 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from built_scenes import built
 from scipy.spatial import KDTree
 
 from supersampling.render.scene import Scene
-from supersampling.render.scenes.foundry import foundry
-from supersampling.render.scenes.foundry_parts import gear, meshing_phase, oval
+from supersampling.render.scenes.foundry.parts import gear, meshing_phase, oval
 
 FRAME = 1.0 / 60.0
 
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    return foundry()
+    return built("foundry")
 
 
 def test_meshes_are_well_formed(scene):
@@ -102,19 +102,6 @@ def test_routes_are_clear(scene):
         share = np.linspace(0, 1, 40)[:, None]
         eyes = np.concatenate([a + share * (b - a) for a, b in pairwise(points)])
         assert tree.query(eyes)[0].min() > 0.4, route.name
-
-
-def test_two_builds_are_equal(scene):
-    again = foundry()
-    for a, b in zip(scene.meshes, again.meshes, strict=True):
-        np.testing.assert_array_equal(a.positions, b.positions)
-        np.testing.assert_array_equal(a.uv, b.uv)
-        np.testing.assert_array_equal(a.triangles, b.triangles)
-    for m, n in zip(scene.materials, again.materials, strict=True):
-        if m.albedo is not None:
-            np.testing.assert_array_equal(m.albedo, n.albedo)
-    for o, p in zip(scene.objects, again.objects, strict=True):
-        np.testing.assert_array_equal(o.at(1.5), p.at(1.5))
 
 
 @pytest.mark.parametrize(("teeth", "other", "direction"), [(24, 14, 0.4), (17, 32, -1.1), (20, 20, 3.0)])

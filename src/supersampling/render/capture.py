@@ -55,10 +55,13 @@ def lengths(spec: CaptureSpec, names: frozenset[str]) -> dict[str, int]:
 
 
 class Studio:
-    """Renders clips of any specification; the last scene and its OpenGL context are kept. A context manager."""
+    """Renders clips of any specification; the last scene and its OpenGL context are kept. A context manager.
 
-    def __init__(self, scene: Scene | None = None) -> None:
-        self._given = scene
+    ``scene`` stands for all that specifications name; ``path`` is the file of a glTF scene.
+    """
+
+    def __init__(self, scene: Scene | None = None, path: Path | None = None) -> None:
+        self._given, self._path = scene, path
         self._name = ""
         self.scene: Scene | None = scene
         self._renderer: Renderer | None = None
@@ -66,7 +69,7 @@ class Studio:
     def open(self, name: str) -> tuple[Scene, Renderer]:
         if self.scene is None or self._renderer is None or name != self._name:
             self.close()
-            self.scene = self._given or load_scene(name)
+            self.scene = self._given or load_scene(name, self._path)
             self._renderer, self._name = Renderer(self.scene), name
         return self.scene, self._renderer
 

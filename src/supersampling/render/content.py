@@ -1,4 +1,6 @@
-"""Scenes by name: the built-in ones and SuperTuxKart's tracks."""
+"""Scenes by name: the built-in ones, SuperTuxKart's tracks, and a user's own glTF file."""
+
+from pathlib import Path
 
 from supersampling.errors import UserError
 from supersampling.render.scene import Scene
@@ -10,31 +12,41 @@ def check_scene(name: str) -> None:
     Raises:
         UserError: no such scene or track, or SuperTuxKart's data are not installed.
     """
-    kind, _, track = name.partition("/")
+    kind, _, rest = name.partition("/")
+    if kind == "gltf" and rest:
+        return  # its file was read when its fingerprint was taken
     if kind == "stk":
         from supersampling.render.stk import track_folder
 
-        track_folder(track, None)
+        track_folder(rest, None)
         return
     from supersampling.render.scenes import BUILT_IN
 
     if name not in BUILT_IN:
         known = ", ".join(sorted(BUILT_IN))
-        raise UserError(f"There is no scene {name}: use {known}, or stk/<track> for a SuperTuxKart track.")
+        raise UserError(
+            f"There is no scene {name}: use {known}, stk/<track> for a SuperTuxKart track, or scene=gltf path=FILE."
+        )
 
 
-def load_scene(name: str) -> Scene:
-    """The scene called ``name``: a built-in one, or ``stk/<track>``.
+def load_scene(name: str, path: Path | None = None) -> Scene:
+    """The scene called ``name``: a built-in one, ``stk/<track>``, or ``gltf/<stem>`` from the glTF file ``path``.
 
     Raises:
-        UserError: no such scene or track, or SuperTuxKart's data are not installed.
+        UserError: no such scene or track, SuperTuxKart's data are not installed, or the file cannot be read.
     """
-    kind, _, track = name.partition("/")
+    check_scene(name)
+    kind, _, rest = name.partition("/")
+    if kind == "gltf":
+        from supersampling.render.gltf import load_gltf
+
+        if path is None:
+            raise UserError("scene=gltf needs a file: add path=FILE.gltf or path=FILE.glb.")
+        return load_gltf(path)
     if kind == "stk":
         from supersampling.render.stk import load_track
 
-        return load_track(track)
+        return load_track(rest)
     from supersampling.render.scenes import BUILT_IN
 
-    check_scene(name)
     return BUILT_IN[name]()

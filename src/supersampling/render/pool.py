@@ -6,6 +6,7 @@ import signal
 import time
 import traceback
 from collections.abc import Sequence
+from dataclasses import dataclass
 from multiprocessing.queues import Queue
 from multiprocessing.sharedctypes import Synchronized
 from pathlib import Path
@@ -21,22 +22,38 @@ from supersampling.render.scene import Scene
 _POLL = 0.2  # seconds
 
 
+@dataclass(frozen=True)
+class Order:
+    """What is to be rendered: the buffers ``names`` of ``specs``, under ``folder``; ``path`` is the file of a glTF scene."""
+
+    specs: tuple[CaptureSpec, ...]
+    folder: Path
+    names: frozenset[str]
+    path: Path | None = None
+
+    def files(self) -> list[DataFile]:
+        return [DataFile(spec, self.folder, self.names) for spec in self.specs]
+
+
 def render_files(
     specs: Sequence[CaptureSpec],
     folder: Path,
     names: frozenset[str],
     workers: int = 1,
+    *,
+    path: Path | None = None,
     scene: Scene | None = None,
 ) -> list[Path]:
     """Render what is missing of these data set files by ``workers`` processes, and return their paths.
 
-    Clips that another running command is at are waited for. ``scene`` stands for the one that the specifications name; it
-    cannot go to another process.
+    Clips that another running command is at are waited for. ``path`` is the file of a glTF scene. ``scene`` stands for the one
+    that the specifications name; it cannot go to another process.
 
     Raises:
         UserError: a wrong specification or buffer, no such scene, no OpenGL, or no space.
     """
-    files = [DataFile(spec, folder, names) for spec in specs]
+    order = Order(tuple(specs), folder, names, path)
+    files = order.files()
     if scene is None:
         for name in sorted({file.spec.scene for file in files if file.missing()}):
             check_scene(name)
@@ -47,32 +64,30 @@ def render_files(
             f"Cannot make the data folder {folder}: {error.strerror}. Set paths.data to another one."
         ) from error
     while any(file.missing() for file in files):
-        clips = [len(file.waiting()) * file.spec.frames for file in files]
-        workers_needed = min(workers, sum(len(file.waiting()) for file in files))
-        with tqdm(total=sum(clips), desc="render", unit="frame", mininterval=1.0, delay=1.0) as bar:
-            if workers_needed > 1 and scene is None:
-                _by_processes(specs, folder, names, workers_needed, bar)
+        clips = [len(file.waiting()) for file in files]
+        frames = sum(count * file.spec.frames for count, file in zip(clips, files))
+        with tqdm(total=frames, desc="render", unit="frame", mininterval=1.0, delay=1.0) as bar:
+            if min(workers, sum(clips)) > 1 and scene is None:
+                _by_processes(order, min(workers, sum(clips)), bar)
             else:
-                _alone(files, scene, bar)
+                _alone(files, Studio(scene, path), bar)
         if any(file.missing() for file in files):
             time.sleep(_POLL)  # another command is at the rest
     return [file.path for file in files]
 
 
-def _alone(files: Sequence[DataFile], scene: Scene | None, bar: tqdm) -> None:
-    with Studio(scene) as studio:
+def _alone(files: Sequence[DataFile], studio: Studio, bar: tqdm) -> None:
+    with studio:
         for file in files:
             bar.set_description(f"render {file.spec.scene} {file.spec.split}", refresh=False)
             file.work(studio, bar.update)
 
 
-def _by_processes(
-    specs: Sequence[CaptureSpec], folder: Path, names: frozenset[str], workers: int, bar: tqdm
-) -> None:
+def _by_processes(order: Order, workers: int, bar: tqdm) -> None:
     # Spawned, since an OpenGL context and PyTorch's threads do not survive a fork.
     context = multiprocessing.get_context("spawn")
     frames, errors = context.Value("l", 0), context.Queue()
-    arguments = (list(specs), folder, names, frames, errors, os.getpid())
+    arguments = (order, frames, errors, os.getpid())
     processes = [context.Process(target=_worker, args=arguments, daemon=True) for _ in range(workers)]
     try:
         for process in processes:
@@ -101,9 +116,8 @@ def _as_raised(by_user: bool, text: str) -> Exception:
 
 
 def _worker(
-    specs: list[CaptureSpec], folder: Path, names: frozenset[str], frames: "Synchronized[int]",
-    errors: "Queue[tuple[bool, str]]", parent: int,
-) -> None:  # fmt: skip
+    order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool, str]]", parent: int
+) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
     os.environ["LP_NUM_THREADS"] = "1"  # Mesa's software rasteriser: one core a process
 
@@ -114,9 +128,9 @@ def _worker(
             frames.value += 1
 
     try:
-        with Studio() as studio:
-            for spec in specs:
-                DataFile(spec, folder, names).work(studio, step)
+        with Studio(path=order.path) as studio:
+            for file in order.files():
+                file.work(studio, step)
     except UserError as error:
         errors.put((True, str(error)))
     except Exception:

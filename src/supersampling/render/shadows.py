@@ -122,7 +122,7 @@ class SunShadows:
         out = np.eye(4)
         out[:2, :3] = self._axes[:2] / region.half
         out[:2, 3] = -region.centre / region.half
-        span = max(self._high[2] - self._low[2], 1e-3)
+        span = max(self._high[2] - self._low[2], 1.0)  # a flat scene under a sun at its zenith has none
         out[2, :3] = -2.0 * self._axes[2] / span
         out[2, 3] = (self._high[2] + self._low[2]) / span
         return out

@@ -9,7 +9,7 @@ from omegaconf import DictConfig, OmegaConf
 
 # Keys that cannot change a result. What a data set was made from is replaced by the fingerprint of what it holds.
 NOT_IDENTITY = (
-    "paths", "logger", "data", "scene", "baselines", "fresh", "workers", "trainer.enable_progress_bar",
+    "paths", "logger", "data", "scene", "path", "baselines", "fresh", "workers", "trainer.enable_progress_bar",
     "trainer.accelerator", "trainer.devices", "sweeps", "experiment", "debug", "threads",
 )  # fmt: skip
 
@@ -47,6 +47,7 @@ _HIDDEN = (
     "experiment",
     "debug",
     "scene",
+    "path",
     "tune",
     "threads",
 )

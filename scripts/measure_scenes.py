@@ -1,0 +1,58 @@
+"""Measure built-in scenes and write what was measured into their manifests.
+
+python scripts/measure_scenes.py                  every built-in scene
+python scripts/measure_scenes.py atrium bar       these
+python scripts/measure_scenes.py --costs atrium   seconds and bytes of each buffer, as a table; writes no manifest
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from supersampling.errors import UserError
+from supersampling.render import scenes
+from supersampling.render.content import load_scene
+from supersampling.render.manifest import MEASURES, contradictions, parse, with_measured
+from supersampling.render.measure.costs import costs, table
+from supersampling.render.measure.scene import measure
+
+
+def update(name: str) -> None:
+    """Measure one scene, write its manifest, and print its numbers and what in its words they do not bear out."""
+    path = Path(scenes.__file__).with_name(f"{name}.yaml")
+    if not path.exists():
+        raise UserError(f"Scene {name!r} has no {path.name} beside its code: write one first.")
+    parse(path.read_text(encoding="utf-8"), name)
+    began = time.perf_counter()
+    measured = measure(load_scene(name))
+    path.write_text(with_measured(path.read_text(encoding="utf-8"), measured), encoding="utf-8")
+    manifest = parse(path.read_text(encoding="utf-8"), name)
+    print(f"{name}, measured in {time.perf_counter() - began:.0f} s")
+    for key, meaning in MEASURES.items():
+        value = manifest.measured[key]
+        print(f"  {key:28} {'-' if value is None else format(value, '<10g')} {meaning}")
+    for sentence in contradictions(manifest):
+        print(f"  ! {sentence}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    reader = argparse.ArgumentParser(description="Measure built-in scenes.")
+    reader.add_argument("scenes", nargs="*", metavar="SCENE", help="built-in scenes, all of them by default")
+    reader.add_argument("--costs", action="store_true", help="time and size of each buffer instead")
+    chosen = reader.parse_args(arguments)
+    try:
+        for name in chosen.scenes or list(scenes.BUILT_IN):
+            if chosen.costs:
+                print(f"{name}\n\n{table(costs(load_scene(name)))}\n")
+            else:
+                update(name)
+    except UserError as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

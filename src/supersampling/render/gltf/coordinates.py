@@ -1,0 +1,43 @@
+"""Which texture coordinates a texture reads, and how they are transformed (KHR_texture_transform)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_REPEAT = 10497
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """``uv' = offset + rotation(scale * uv)`` of the set ``TEXCOORD_<number>``; ``repeats`` is the sampler's wrapping."""
+
+    number: int = 0
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+    repeats: bool = True
+
+    def applied(self, uv: NDArray[np.float32]) -> NDArray[np.float32]:
+        """``(N, 2)``. Counter-clockwise as seen with v down: the extension's example reads the lower left quadrant so."""
+        if (self.offset, self.rotation, self.scale) == ((0.0, 0.0), 0.0, (1.0, 1.0)):
+            return uv
+        c, s = np.cos(self.rotation), np.sin(self.rotation)
+        matrix = np.array([[c, s], [-s, c]]) * np.array(self.scale)
+        return (uv @ matrix.T + np.array(self.offset)).astype(np.float32)
+
+
+def coordinates(info: Any, sampler: Any) -> Coordinates:
+    """Of a textureInfo and its texture's sampler (``None`` where it has none)."""
+    transform = (info.extensions or {}).get("KHR_texture_transform", {})
+    wraps = (_REPEAT,) if sampler is None else (sampler.wrapS or _REPEAT, sampler.wrapT or _REPEAT)
+    u, v = transform.get("offset", (0.0, 0.0))
+    x, y = transform.get("scale", (1.0, 1.0))
+    return Coordinates(
+        int(transform.get("texCoord", info.texCoord or 0)),
+        (float(u), float(v)),
+        float(transform.get("rotation", 0.0)),
+        (float(x), float(y)),
+        all(wrap == _REPEAT for wrap in wraps),
+    )

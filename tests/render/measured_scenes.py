@@ -1,0 +1,30 @@
+"""What the tests of measures share: shots of a whole 1080p frame, and textures."""
+
+import numpy as np
+
+from supersampling.render.camera import Camera, Shot, Window
+from supersampling.render.measure.probe import whole as whole_frame
+from supersampling.render.scene import Material
+
+FOCAL = 540.0 / np.tan(0.5)  # of a 1080p frame of the default camera, target pixels
+MATTE = Material("matte", base_color=(0.5, 0.5, 0.5), roughness=1.0)
+
+
+def noise(seed: int) -> np.ndarray:
+    """A soft texture: 64 x 64 random colours, four texels apart, linear in between."""
+    coarse = np.random.default_rng(seed).uniform(30, 240, (64, 64, 3))
+    place = np.arange(256) / 4
+    low, part = place.astype(int), (place % 1)[:, None, None]
+    rows = coarse[low] * (1 - part) + coarse[(low + 1) % 64] * part
+    part = part.reshape(1, -1, 1)
+    return np.round(rows[:, low] * (1 - part) + rows[:, (low + 1) % 64] * part).astype(np.uint8)
+
+
+def moment(
+    view: Camera,
+    before: Camera | None = None,
+    seconds: float = 0.0,
+    previous: float = 0.0,
+    window: Window | None = None,
+) -> Shot:
+    return Shot(view, before or view, seconds, previous, window or whole_frame(1))

@@ -1,0 +1,122 @@
+"""Manifests: every mistake is told, and the built-in scenes' words agree with their numbers."""
+
+import pytest
+import yaml
+
+from supersampling.errors import UserError
+from supersampling.render.manifest import (
+    BOUNDS,
+    FEATURES,
+    LEVELS,
+    MEASURES,
+    Manifest,
+    contradictions,
+    load_manifest,
+    parse,
+    with_measured,
+)  # fmt: skip
+from supersampling.render.scenes import BUILT_IN
+
+GOOD = {"title": "A box", "about": "One box. It turns.", "shows": dict.fromkeys(FEATURES, "present")}
+EVEN = dict.fromkeys(MEASURES, 0.5)
+
+
+def text(**changes: object) -> str:
+    return yaml.safe_dump({**GOOD, **changes}, sort_keys=False)
+
+
+def test_a_manifest_is_read_as_it_is_written():
+    found = parse(text(measured={**EVEN, "speed_95": 12, "reprojection_objects": None}), "box")
+    assert (found.title, found.about) == ("A box", "One box. It turns.")
+    assert found.shows == GOOD["shows"]
+    assert found.measured == {**EVEN, "speed_95": 12.0, "reprojection_objects": None}
+    assert parse(text(), "box").measured == {}
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("- a\n- b\n", "['a', 'b']"),
+        ("title: [", "not YAML"),
+        (text(titel="x"), "'titel'"),
+        (text(title=""), "title is ''"),
+        (text(about=7), "about is 7"),
+        (yaml.safe_dump({k: v for k, v in GOOD.items() if k != "shows"}), "'shows'"),
+        (text(shows={**GOOD["shows"], "moire": "lots"}), "'lots'"),
+        (text(shows={**GOOD["shows"], "rain": "absent"}), "'rain'"),
+        (text(shows={k: v for k, v in GOOD["shows"].items() if k != "glossy"}), "'glossy'"),
+        (text(shows="all"), "'all'"),
+        (text(measured={**EVEN, "speed_95": "fast"}), "'fast'"),
+        (text(measured={**EVEN, "speed_95": True}), "True"),
+        (text(measured={**EVEN, "weight": 1.0}), "'weight'"),
+        (text(measured={k: v for k, v in EVEN.items() if k != "thin_pixels"}), "'thin_pixels'"),
+        (text(measured=[1, 2]), "[1, 2]"),
+    ],
+)
+def test_a_wrong_manifest_is_told_with_its_file_and_value(content, told):
+    with pytest.raises(UserError) as error:
+        parse(content, "box")
+    assert told in str(error.value)
+    assert "box.yaml" in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["nowhere", "stk/zengarden", "../secret", ""])
+def test_a_scene_without_manifest_is_told(name):
+    with pytest.raises(UserError, match="has no manifest"):
+        load_manifest(name)
+
+
+def test_measures_are_written_to_three_digits_and_the_rest_stays():
+    head = "title: A box   # a note\nabout: >-\n  One box.\n  It turns.\nshows:\n  moire: absent\n"
+    values = {
+        **EVEN,
+        "speed_95": 123.456,
+        "speed_median": 0.0000123456,
+        "thin_pixels": 0.0,
+        "moire_pixels": None,
+    }
+    for before in (head, head + "measured:\n  speed_95: 1\n\n  thin_pixels: 2\n", with_measured(head, EVEN)):
+        after = with_measured(before, values)
+        assert after.startswith(head + "measured:\n")
+        read = yaml.safe_load(after)["measured"]
+        rounded = {"speed_95": 123.0, "speed_median": 1.23e-5, "thin_pixels": 0.0, "moire_pixels": None}
+        assert read == {**EVEN, **rounded}
+        assert with_measured(after, values) == after
+
+
+@pytest.mark.parametrize("feature", list(BOUNDS))
+def test_words_are_held_against_numbers(feature):
+    bound = BOUNDS[feature]
+    assert bound.absent < bound.dominant
+
+    def told(level: str, value: float) -> bool:
+        others = {one: "present" for one in FEATURES if one != feature}
+        plenty = dict.fromkeys(MEASURES, 100.0)
+        manifest = Manifest("", "", {**others, feature: level}, {**plenty, bound.measure: value})
+        return any(sentence.startswith(feature + " ") for sentence in contradictions(manifest))
+
+    between = (bound.absent + bound.dominant) / 2
+    assert [told(level, bound.absent) for level in LEVELS] == [True, True, False]
+    assert [told(level, between) for level in LEVELS] == [True, False, True]
+    assert [told(level, bound.dominant) for level in LEVELS] == [False, False, True]
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_built_in_scenes_do_not_contradict_their_measures(name):
+    manifest = load_manifest(name)
+    assert manifest.measured, f"run scripts/measure_scenes.py {name}"
+    assert contradictions(manifest) == []
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_built_in_scenes_move_as_their_motion_vectors_say(name):
+    measured = load_manifest(name).measured
+    for key in ("reprojection_camera", "reprojection_objects"):
+        assert measured[key] is None or measured[key] <= 1.0 / 255.0
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_each_feature_dominates_in_one_scene_and_is_absent_from_another(feature):
+    levels = {name: load_manifest(name).shows[feature] for name in BUILT_IN}
+    assert "dominant" in levels.values(), levels
+    assert "absent" in levels.values(), levels
