@@ -70,6 +70,11 @@ def test_a_broken_file(content, part, own, tmp_path):
         ("splits=[dev]", "dev"),
         ("task.jitter=hilbert", "hilbert"),
         ("data.test.window=[4,4]", "4"),
+        ("data.camera=run", "run"),
+        ("buffers=[colour]", "There is no buffer colour"),
+        ("scene=gltf", "path=FILE"),
+        ("import=qrisp", "path=FOLDER"),
+        ("export=nsrd", "path=FILE.h5"),
     ],
 )
 def test_render(override, part, tmp_path):

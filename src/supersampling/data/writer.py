@@ -7,6 +7,7 @@ they are into one file, which is renamed into place. Buffers that are asked for 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import product
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -174,7 +175,7 @@ def _join(file: h5py.File, name: str, parts: Sequence[Path]) -> None:
 
 def _copy_chunks(source: h5py.Dataset, target: h5py.Dataset, clip: int) -> None:
     """Compressed chunks are moved as they are; the same tile of the same frame has the same bytes in both files."""
-    for k in range(source.id.get_num_chunks()):
-        offset = source.id.get_chunk_info(k).chunk_offset
+    # Every chunk has been written; asking for the k-th one would walk the index from its start each time.
+    for offset in product(*(range(0, n, c) for n, c in zip(source.shape, source.chunks))):
         mask, data = source.id.read_direct_chunk(offset)
         target.id.write_direct_chunk((clip, *offset), data, mask)

@@ -53,7 +53,7 @@ def _import(cfg: DictConfig) -> None:
         raise UserError(f"import={cfg['import']} needs the capture's folder: add path=FOLDER.")
     paths = import_capture(
         cfg["import"], Path(cfg.path), Path(cfg.paths.data), scale=cfg.task.scale,
-        convention=cfg.convention, jitter_convention=cfg.jitter_convention,
+        convention=cfg.convention, jitter_convention=cfg.jitter_convention, reversed_depth=cfg.reversed_depth,
     )  # fmt: skip
     for path in paths:
         print(path)

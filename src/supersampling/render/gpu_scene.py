@@ -1,7 +1,7 @@
-"""A scene's vertex, material and texture data on the GPU, cut into chunks small enough to cull.
+"""A scene's geometry on the GPU, cut into chunks small enough to cull, beside its materials.
 
 A DRAW is a chunk of a mesh under an object's transform. Draws are sorted by GROUP: those of one material and winding,
-which one indirect call renders, since textures are bound per material. Textures keep their size.
+which one indirect call renders, since textures are bound per material.
 """
 
 from dataclasses import dataclass
@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 
 from supersampling.render.camera import Matrix
 from supersampling.render.frustum import Boxes, transformed
-from supersampling.render.scene import Material, Mesh, Object, Scene, Texture
+from supersampling.render.gpu_materials import GpuMaterials
+from supersampling.render.scene import Material, Mesh, Object, Scene
 
 CHUNK_TRIANGLES = 2048
 VERTEX_LAYOUT = ("3f 3f 2f 4f 4f1", "in_position", "in_normal", "in_uv", "in_tangent", "in_color")
 MODEL_LAYOUT = ("4f 4f 4f/i", "in_model_0", "in_model_1", "in_model_2")
 CLIP_LAYOUT = ("16f 4f 4f 4f/i", "in_current", "in_previous_x", "in_previous_y", "in_previous_w")
 OBJECT_LAYOUT = ("1f/i", "in_object")
-_SRGB8_ALPHA8 = 0x8C43
-_UNIFORM_ALIGNMENT = 256
 
 
 @dataclass(frozen=True)
@@ -59,16 +58,22 @@ def tangents(mesh: Mesh) -> NDArray[np.float32]:
     sign = np.sign(det)[:, None]  # the area weight is kept, the division left out: only directions are wanted
     along_u = sign * (e1 * d2[:, 1:] - e2 * d1[:, 1:])
     up = -sign * (e2 * d1[:, :1] - e1 * d2[:, :1])
-    total_u, total_up = np.zeros_like(mesh.positions, np.float64), np.zeros_like(mesh.positions, np.float64)
-    for corner in range(3):
-        np.add.at(total_u, tri[:, corner], along_u)
-        np.add.at(total_up, tri[:, corner], up)
+    total_u, total_up = (_at_vertices(tri, values, len(mesh.positions)) for values in (along_u, up))
     handed = np.where((np.cross(mesh.normals, total_u) * total_up).sum(axis=1) < 0.0, -1.0, 1.0)
     length = np.linalg.norm(total_u, axis=1, keepdims=True)
     unit = total_u / np.maximum(
         length, 1e-20
     )  # no uv, or mirrored halves that cancel: zero, no normal mapping there
     return np.concatenate([unit, handed[:, None]], axis=1).astype(np.float32)
+
+
+def _at_vertices(
+    triangles: NDArray[np.uint32], values: NDArray[np.float64], count: int
+) -> NDArray[np.float64]:
+    """``(count, 3)``: at each vertex the sum of its triangles' ``values (M, 3)``."""
+    corners = triangles.T.ravel().astype(np.intp)
+    # np.add.at gives the same sums, several times slower.
+    return np.stack([np.bincount(corners, np.tile(v, 3), count) for v in values.T], axis=1)
 
 
 def in_world(item: Object, seconds: float, view: Matrix) -> Matrix:
@@ -97,7 +102,7 @@ class GpuScene:
         self.ctx = ctx
         chunks = self._upload_meshes()
         self._list_draws(chunks)
-        self._upload_materials()
+        self.materials = GpuMaterials(ctx, scene.materials)
         count = len(scene.objects)
         self.model_buffer = ctx.buffer(reserve=max(count, 1) * 48, dynamic=True)
         self.clip_buffer = ctx.buffer(reserve=max(count, 1) * 112, dynamic=True)
@@ -165,54 +170,6 @@ class GpuScene:
         self.casts = np.array([not row[0][0] for row in rows], dtype=bool)
         self.boxes: Boxes = transformed(self._lo, self._hi, self.models[self.object_of])
 
-    def _upload_materials(self) -> None:
-        block = np.zeros((max(len(self.scene.materials), 1), _UNIFORM_ALIGNMENT // 4), dtype=np.float32)
-        for row, m in zip(block, self.scene.materials):
-            cutoff = 0.5 if m.alpha == "blend" else m.alpha_cutoff
-            row[:12] = [
-                *m.base_color,
-                1.0,
-                *m.emission,
-                float(m.double_sided),
-                m.roughness,
-                m.metallic,
-                cutoff,
-                float(m.interface),
-            ]
-        self.material_buffer = self.ctx.buffer(block.tobytes())
-        self._textures: dict[tuple[int, bool], moderngl.Texture] = {}
-        self._white = np.full((1, 1, 4), 255, np.uint8)  # kept: textures are known by their array's id
-        self.white = self._texture(self._white, srgb=True)
-        self.albedo = [
-            self.white if m.albedo is None else self._texture(m.albedo, srgb=True)
-            for m in self.scene.materials
-        ]
-        self.normal = [
-            m.normal if m.normal is None else self._texture(m.normal, srgb=False)
-            for m in self.scene.materials
-        ]
-        self.surface = [
-            m.surface if m.surface is None else self._texture(m.surface, srgb=False)
-            for m in self.scene.materials
-        ]
-
-    def _texture(self, image: Texture, srgb: bool) -> moderngl.Texture:
-        """Mipmapped and repeating; materials that share an array share its texture."""
-        key = (id(image), srgb)
-        if key not in self._textures:
-            height, width = image.shape[:2]
-            if image.shape[2] == 3:
-                # Four channels: three-channel formats are slower and not renderable for mipmaps.
-                image = np.concatenate([image, np.full((height, width, 1), 255, np.uint8)], axis=2)
-            data = np.ascontiguousarray(image).tobytes()
-            texture = self.ctx.texture(
-                (width, height), 4, data, internal_format=_SRGB8_ALPHA8 if srgb else None
-            )
-            texture.build_mipmaps()
-            texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
-            self._textures[key] = texture
-        return self._textures[key]
-
     def _static_bounds(self) -> Boxes:
         """``(1, 3)`` box of all static geometry; of all geometry where nothing stands still."""
         chosen = self.casts & ~self.moving if (self.casts & ~self.moving).any() else self.casts
@@ -265,6 +222,3 @@ class GpuScene:
         """Fills the indirect buffer with the chosen draws, in order."""
         if len(draws):
             self.indirect.write(np.ascontiguousarray(self.commands[draws]).tobytes())
-
-    def bind_material(self, material: int) -> None:
-        self.material_buffer.bind_to_uniform_block(0, offset=material * _UNIFORM_ALIGNMENT, size=48)

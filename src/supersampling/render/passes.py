@@ -114,18 +114,19 @@ class Passes:
         gpu, ctx = self._gpu, self._ctx
         group = gpu.groups[index]
         material = gpu.material(group)
-        maps = (gpu.albedo[group.material], gpu.normal[group.material], gpu.surface[group.material])
+        maps = gpu.materials.maps(group.material)
         chosen = {
             "ALPHA_TEST": material.alpha != "opaque",
             "NORMAL_MAP": needs.surface and maps[1] is not None,
             "SURFACE_MAP": needs.surface and maps[2] is not None,
+            "GLOW_MAP": needs.surface and maps[3] is not None,
         }
         own = tuple(name for name, on in chosen.items() if on)
         array = self._programs.mesh("gbuffer", (*own, *needs.definitions))
         near, far = view.depth
         assign(array.program, jitter=view.jitter, mip_bias=mip_bias, depth_range=(near, 1.0 / (far - near)))
-        assign(array.program, albedo_map=0, normal_map=1, surface_map=2)
-        gpu.bind_material(group.material)
+        assign(array.program, albedo_map=0, normal_map=1, surface_map=2, glow_map=3)
+        gpu.materials.bind(group.material)
         for unit, texture in enumerate(maps):
             if texture is not None:
                 texture.use(unit)

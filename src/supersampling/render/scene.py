@@ -22,7 +22,8 @@ class Material:
 
     ``albedo`` is sRGB RGBA (or RGB), ``normal`` a tangent-space map (OpenGL convention, y up along +bitangent),
     ``surface`` linear RGB with R = roughness, G = metallic, B = emission mask (white where absent).
-    ``emission`` is linear radiance, multiplied by the albedo texture and the surface map's blue channel.
+    ``emission`` is linear radiance, multiplied by ``glow`` (sRGB RGB) where given, else by the albedo texture and the surface
+    map's blue channel; ``base_color`` and a mesh's colors leave it as it is.
     ``alpha``: ``opaque``; ``test`` discards below ``alpha_cutoff``; ``blend`` is drawn as a test at 0.5.
     ``interface`` marks an element of the user interface (QRISP, annex A.2): its emission alone is drawn, over what is behind
     it, which keeps its depth, motion and object id; it is hidden by what is in front, takes no light and casts no shadow.
@@ -32,6 +33,7 @@ class Material:
     albedo: Texture | None = None
     normal: Texture | None = None
     surface: Texture | None = None
+    glow: Texture | None = None
     base_color: tuple[float, float, float] = (1.0, 1.0, 1.0)
     roughness: float = 0.8
     metallic: float = 0.0

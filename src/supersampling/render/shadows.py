@@ -73,8 +73,8 @@ class Casters:
         groups, starts, counts = np.unique(gpu.group_of[draws[solid:]], return_index=True, return_counts=True)
         for group, start, count in zip(groups, starts, counts):
             material = gpu.groups[group].material
-            gpu.albedo[material].use(0)
-            gpu.bind_material(material)
+            gpu.materials.albedo[material].use(0)
+            gpu.materials.bind(material)
             self._tested.render_indirect(gpu.indirect, moderngl.TRIANGLES, int(count), solid + int(start))
         ctx.polygon_offset = 0.0, 0.0
         ctx.disable_direct(_DEPTH_CLAMP)

@@ -5,7 +5,6 @@ import warnings
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from ...errors import UserError
@@ -76,26 +75,3 @@ def _eight_bit(image: Image.Image) -> Texture:
         grey = np.asarray(image).astype(np.int64) // 257
         return np.ascontiguousarray(np.dstack([grey, grey, grey, np.full_like(grey, 255)]).astype(np.uint8))
     return np.asarray(image.convert("RGBA"))
-
-
-def resized(texture: Texture, size: tuple[int, int]) -> Texture:
-    """To ``(height, width)``, bilinearly, band by band so that clear texels keep their colour."""
-    if texture.shape[:2] == size:
-        return texture
-    to = (size[1], size[0])
-    bands = [Image.fromarray(np.ascontiguousarray(texture[..., k])) for k in range(texture.shape[2])]
-    return np.stack([np.asarray(band.resize(to, Image.Resampling.BILINEAR)) for band in bands], axis=-1)
-
-
-def linear(texture: Texture) -> NDArray[np.float32]:
-    """Linear light of sRGB bytes (IEC 61966-2-1)."""
-    srgb = np.arange(256) / 255.0
-    table = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4).astype(np.float32)
-    return table[texture]
-
-
-def encoded(light: NDArray[np.floating]) -> Texture:
-    """sRGB bytes of linear light in [0, 1]."""
-    x = np.clip(light, 0.0, 1.0)
-    srgb = np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-8) ** (1.0 / 2.4) - 0.055)
-    return np.round(255.0 * srgb).astype(np.uint8)

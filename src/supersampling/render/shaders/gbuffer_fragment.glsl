@@ -7,6 +7,7 @@ layout(std140, binding = 0) uniform MaterialBlock {
 uniform sampler2D albedo_map;
 uniform sampler2D normal_map;
 uniform sampler2D surface_map;
+uniform sampler2D glow_map;
 uniform float mip_bias;
 uniform vec2 depth_range;  // near, 1 / (far - near)
 
@@ -75,6 +76,11 @@ void main() {
     vec3 base = albedo.rgb * color * material.base_color.rgb;
     out_albedo = vec4(base, clamp(surface.r * material.factors.x, 0.0, 1.0));
     out_normal = vec4(n, clamp(surface.g * material.factors.y, 0.0, 1.0));
-    out_emission = vec4(material.emission.rgb * albedo.rgb * surface.b, material.factors.w);
+#ifdef GLOW_MAP
+    vec3 emission = material.emission.rgb * texture(glow_map, uv, mip_bias).rgb;
+#else
+    vec3 emission = material.emission.rgb * albedo.rgb * surface.b;
+#endif
+    out_emission = vec4(emission, material.factors.w);
 #endif
 }

@@ -1,0 +1,1 @@
+"""Writers of the capture layouts that `supersampling.data.readers` reads (`exporting`)."""

@@ -1,0 +1,200 @@
+"""Arm neural graphics captures (NSS data set specification 1.0.1): linear HDR images, a JSON for each sequence.
+
+``<NNNN>.json``, ``ground_truth/<NNNN>/<frame>.exr``, ``motion_gt/...`` and ``x<scale>/{color,depth,motion}/<NNNN>/<frame>.exr``,
+below the capture's folder or below ``train``, ``val`` and ``test`` in it.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from supersampling.data.readers.conventions import Convention
+from supersampling.data.readers.files import Frames, number, numbers_of, read_json
+from supersampling.data.readers.images import Image, exr_size, read_exr
+from supersampling.data.readers.layout import Clip, Layout
+from supersampling.data.readers.units import checked_jitter, checked_motion
+from supersampling.data.spec import SPLITS
+from supersampling.errors import UserError
+from supersampling.ops.display import displayed
+
+INFINITE_FAR = 5000.0
+"""What an infinite far plane is taken for, as in Arm's own reader; farther is 1 as well."""
+
+
+def linear_depth(stored: Image, near: float, far: float, reversed_z: bool) -> Image:
+    """A depth buffer in [0, 1] as linear view depth, 0 at the near and 1 at the far plane; ``far=-1`` is infinite.
+
+    With ``e`` the stored depth that is 1 near and 0 far, view depth is ``near far / (near + e (far - near))``.
+    """
+    e = stored if reversed_z else 1.0 - stored
+    if far != -1.0:
+        return near * (1.0 - e) / (near + e * (far - near))
+    depth = near / np.maximum(e, near / INFINITE_FAR)
+    linear: Image = ((depth - near) / (INFINITE_FAR - near)).astype(np.float32)
+    return linear
+
+
+def stored_depth(depth: Image, near: float, far: float) -> Image:
+    """The inverse of `linear_depth` for a finite far plane, forward (0 near), as the specification prefers."""
+    exact = depth.astype(np.float64)
+    return (1.0 - near * (1.0 - exact) / (near + exact * (far - near))).astype(np.float32)
+
+
+class Arm(Layout):
+    """See the module. Motion is ``current - previous`` in units of the image, x right and y down (Arm's notes on conventions:
+    ``query = grid - flow``); the sample lies at the pixel's centre plus jitter (its capture guide)."""
+
+    motion = Convention("-x-y")
+    jitter = Convention("xy")
+    buffers = frozenset(
+        {"color", "radiance", "depth", "motion", "jitter", "target", "target_radiance", "high_motion"}
+    )
+
+    def notes(self) -> dict[str, str]:
+        return {
+            "attribution": "capture in the layout of Arm's NSS data set specification; see its licence",
+            "tonemap": "aces_narkowicz, of target_radiance for the target",
+            "far_plane": f"infinite ones count as {INFINITE_FAR:g}",
+        }
+
+    def clips(self) -> list[Clip]:
+        found: list[Clip] = []
+        name = self.root.name.lower()
+        for folder, split in (("", name if name in SPLITS else "train"), *((s, s) for s in SPLITS)):
+            base = self.root.inside(folder)
+            for sequence in self.root.folders(folder, f"x{self.scale}", "color"):
+                if not (base / f"{sequence}.json").is_file():
+                    raise UserError(
+                        f"{base / sequence}.json is missing: the frames of sequence {sequence} need it; restore it."
+                    )
+            for path in sorted(base.glob("*.json")):
+                if path.stem.isascii() and path.stem.isdigit():
+                    found += self._sequence(base, path, split)
+        if not found:
+            raise UserError(
+                f"{self.root.path} has no sequences named <number>.json: give the folder that holds them."
+            )
+        return found
+
+    def _sequence(self, base: Path, path: Path, split: str) -> list[Clip]:
+        meta = read_json(self.root.inside(path))
+        entries = meta.get("Frames") if isinstance(meta, dict) else None
+        entries = entries if isinstance(entries, list) and all(isinstance(e, dict) for e in entries) else None
+        if entries is None or not isinstance(meta.get("ReverseZ"), bool):
+            raise UserError(
+                f"{path} lacks the list Frames or the truth value ReverseZ: write it as the specification says."
+            )
+        names = {"color": "color", "depth": "depth", "motion": "motion"}
+        streams = {
+            name: self.root.frames(base / f"x{self.scale}" / kind / path.stem, ".exr")
+            for name, kind in names.items()
+        }
+        streams["target"] = self.root.frames(base / "ground_truth" / path.stem, ".exr")
+        streams["high_motion"] = self.root.frames(base / "motion_gt" / path.stem, ".exr")
+        numbers = numbers_of(streams)
+        if len(numbers) != len(entries):
+            raise UserError(
+                f"{path} describes {len(entries)} frames, but {len(numbers)} are there: restore what is missing."
+            )
+        cuts = [k for k, entry in enumerate(entries) if k and entry.get("CameraCut") is True]
+        sequence = Sequence(path, meta, streams)
+        return [
+            ArmClip(self, split, sequence, numbers[start:stop], entries[start:stop])
+            for start, stop in zip([0, *cuts], [*cuts, len(numbers)])
+        ]
+
+
+class Sequence:
+    """What a sequence's clips share: its JSON and its files."""
+
+    def __init__(self, path: Path, meta: dict[str, Any], streams: dict[str, Frames]) -> None:
+        self.path, self.streams = path, streams
+        self.reversed_z: bool = meta["ReverseZ"]
+        self._indices = meta.get("UpscalingRatiosIndices")
+
+    def jitter_of(self, entry: dict[str, Any], scale: int) -> Image:
+        """The frame's normalised jitter ``(2,)`` at a scale, as stored."""
+        listed = entry.get("NormalizedPerRatioJitter")
+        index = self._indices.get(f"x{scale}_index") if isinstance(self._indices, dict) else 0
+        if not isinstance(listed, list) or type(index) is not int or not 0 <= index < len(listed):
+            raise UserError(
+                f"{self.path} has no NormalizedPerRatioJitter for x{scale}: without jitter the inputs cannot be used."
+            )
+        return np.array([number(listed[index], axis, self.path) for axis in "XY"], dtype=np.float32)
+
+
+class ArmClip(Clip):
+    """Consecutive frames of a sequence between two camera cuts."""
+
+    def __init__(
+        self, layout: Arm, split: str, sequence: Sequence, numbers: list[int], entries: list[dict[str, Any]]
+    ) -> None:
+        self._sequence, self._numbers, self._entries = sequence, numbers, entries
+        self._conventions, self._scale = layout.conventions, layout.scale
+        size = exr_size(sequence.streams["target"][numbers[0]])
+        low = exr_size(sequence.streams["color"][numbers[0]])
+        if (low[0] * layout.scale, low[1] * layout.scale) != size:
+            raise UserError(
+                f"{sequence.streams['color'][numbers[0]]} has {low[0]}x{low[1]} pixels, which {layout.scale} times are not the "
+                f"{size[0]}x{size[1]} of the ground truth: correct task.scale."
+            )
+        self._low_size = low
+        label = str(sequence.path.relative_to(layout.root.path).with_suffix("")) + f"/{numbers[0]:04d}"
+        super().__init__(f"arm/{layout.root.name}", split, label, size)
+
+    @property
+    def frames(self) -> int:
+        return len(self._numbers)
+
+    def files(self) -> Iterable[Path]:
+        yield self._sequence.path
+        for stream in self._sequence.streams.values():
+            yield from (stream[k] for k in self._numbers)
+
+    def read(self, t: int, names: frozenset[str]) -> dict[str, Image]:
+        entry, number_ = self._entries[t], self._numbers[t]
+        paths = {name: stream[number_] for name, stream in self._sequence.streams.items()}
+        out: dict[str, Image] = {}
+        for shown, light, source, size in (
+            ("color", "radiance", "color", self._low_size),
+            ("target", "target_radiance", "target", self.size),
+        ):
+            if names & {shown, light}:
+                radiance = np.maximum(read_exr(paths[source], size, ("RGB",)), 0.0) * np.float32(
+                    self._exposure(entry)
+                )
+                out |= {light: radiance, shown: displayed(torch.from_numpy(radiance)).numpy()}
+        if "depth" in names:
+            out["depth"] = self._depth(paths["depth"], entry)
+        for name, size in (("motion", self._low_size), ("high_motion", self.size)):
+            if name in names:
+                stored = read_exr(paths[name], size, ("RG", "XY"))
+                out[name] = checked_motion(self._conventions.motion.ours(stored), paths[name])
+        if "jitter" in names:
+            stored = self._sequence.jitter_of(entry, self._scale) * np.array(self._low_size, dtype=np.float32)
+            out["jitter"] = checked_jitter(self._conventions.jitter.ours(stored), self._sequence.path)
+        return {name: image for name, image in out.items() if name in names}
+
+    def _exposure(self, entry: dict[str, Any]) -> float:
+        exposure = number(entry, "Exposure", self._sequence.path) if "Exposure" in entry else 1.0
+        if exposure <= 0.0:
+            raise UserError(f"{self._sequence.path} has an Exposure of {exposure:g}: it must be above 0.")
+        return exposure
+
+    def _depth(self, path: Path, entry: dict[str, Any]) -> Image:
+        near, far = (number(entry, key, self._sequence.path) for key in ("CameraNearPlane", "CameraFarPlane"))
+        if near <= 0.0 or (far != -1.0 and far <= near):
+            raise UserError(
+                f"{self._sequence.path} has the planes CameraNearPlane={near:g} and CameraFarPlane={far:g}: use "
+                "0 < near < far, or -1 for an infinite far plane."
+            )
+        stored = read_exr(path, self._low_size, ("R", "Y", "Z"))
+        if stored.min() < 0.0 or stored.max() > 1.0:
+            raise UserError(
+                f"{path} holds depths from {stored.min():.4g} to {stored.max():.4g} instead of 0 to 1."
+            )
+        told = self._conventions.reversed_depth
+        return linear_depth(stored, near, far, self._sequence.reversed_z if told is None else told)

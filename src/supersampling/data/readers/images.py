@@ -1,0 +1,109 @@
+"""PNG and EXR images of captures as float arrays, with every way in which they can be broken turned into one sentence."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+from numpy.typing import NDArray
+from PIL import Image as Pillow
+
+from supersampling.errors import UserError
+
+MAX_PIXELS = 16 << 20
+"""Larger images are refused before they are decoded: 4K has half of it."""
+
+Image = NDArray[np.float32]
+
+
+def _check_size(path: Path, width: int, height: int, size: tuple[int, int] | None) -> None:
+    if not 0 < width * height <= MAX_PIXELS:
+        raise UserError(
+            f"{path} has {width}x{height} pixels, more than the {MAX_PIXELS} that a capture's image may have."
+        )
+    if size is not None and (width, height) != size:
+        raise UserError(
+            f"{path} has {width}x{height} pixels instead of {size[0]}x{size[1]}: it does not belong to its clip."
+        )
+
+
+def png_size(path: Path) -> tuple[int, int]:
+    """``(width, height)`` from the header; errors as in `read_png`."""
+    with _open_png(path) as image:
+        _check_size(path, *image.size, None)
+        return image.size
+
+
+def read_png(path: Path, size: tuple[int, int], channels: int) -> NDArray[np.uint8]:
+    """The first ``channels`` of an 8-bit RGB or RGBA image, ``(h, w, channels)``.
+
+    Raises:
+        UserError: it is missing, truncated, not of ``size (width, height)``, or of another kind.
+    """
+    with _open_png(path) as image:
+        _check_size(path, *image.size, size)
+        if image.mode not in ("RGB", "RGBA") or len(image.mode) < channels:
+            raise UserError(
+                f"{path} is an image of kind {image.mode} instead of 8-bit {'RGBA'[:channels]}: export it as such."
+            )
+        try:
+            return np.asarray(image)[..., :channels]
+        except (OSError, SyntaxError, ValueError) as error:
+            raise UserError(f"{path} is truncated or damaged ({error}): restore it.") from error
+
+
+def _open_png(path: Path) -> Pillow.Image:
+    try:
+        return Pillow.open(path, formats=("PNG",))
+    except FileNotFoundError as error:
+        raise UserError(f"{path} is missing: restore it.") from error
+    except (OSError, SyntaxError, ValueError, Pillow.DecompressionBombError) as error:
+        raise UserError(f"{path} is not a readable PNG image ({error}): restore it.") from error
+
+
+def exr_size(path: Path) -> tuple[int, int]:
+    """``(width, height)`` from the header; errors as in `read_exr`."""
+    first, last = _open_exr(path, header_only=True).header()["dataWindow"]
+    width, height = (int(n) for n in np.asarray(last, np.int64) - np.asarray(first, np.int64) + 1)
+    _check_size(path, width, height, None)
+    return width, height
+
+
+def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str]) -> Image:
+    """The channels of an EXR image, ``(h, w, len(choice))``; ``choices`` are sets of channel names, the first that is there is
+    taken (``("RG", "XY")``).
+
+    Raises:
+        UserError: it is missing, truncated, not of ``size (width, height)``, lacks the channels, or holds NaN or Inf.
+    """
+    if exr_size(path) != size:
+        _check_size(path, *exr_size(path), size)
+    file = _open_exr(path, header_only=False)
+    try:
+        # A layer's name may stand before the channel's: "ViewLayer.R".
+        planes = {name.rsplit(".", 1)[-1]: channel.pixels for name, channel in file.channels().items()}
+    except (ValueError, RuntimeError) as error:
+        raise UserError(f"{path} is truncated or damaged ({error}): restore it.") from error
+    for choice in choices:
+        if set(choice) <= planes.keys():
+            image = np.stack([planes[name] for name in choice], axis=-1).astype(np.float32)
+            break
+    else:
+        raise UserError(
+            f"{path} has the channels {', '.join(sorted(planes))} instead of {' or '.join(choices)}."
+        )
+    broken = int((~np.isfinite(image)).sum())
+    if broken:
+        raise UserError(f"{path} holds {broken} values that are NaN or Inf: export this frame again.")
+    return image
+
+
+def _open_exr(path: Path, header_only: bool) -> OpenEXR.File:
+    if not path.is_file():
+        raise UserError(f"{path} is missing: restore it.")
+    try:
+        file = OpenEXR.File(str(path), separate_channels=True, header_only=header_only)
+        file.header()
+    except (ValueError, RuntimeError, TypeError) as error:
+        raise UserError(f"{path} is truncated or not an EXR image ({error}): restore it.") from error
+    return file

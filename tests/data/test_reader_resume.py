@@ -1,0 +1,76 @@
+"""An import that is killed loses nothing but the clip that it was at."""
+
+import multiprocessing
+import os
+import random
+import signal
+import time
+
+import pytest
+from capture_files import make_source
+
+from supersampling.data.exporters.exporting import export
+from supersampling.data.readers.importing import import_capture
+from supersampling.data.store import Store
+
+CLIPS = 6
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("resume")
+    return export("qrisp", make_source(folder / "source", clips=CLIPS, frames=6), folder / "capture")
+
+
+def start(capture, out):
+    """An import in a process of its own; forked, since starting an interpreter takes longer than the import."""
+    process = multiprocessing.get_context("fork").Process(
+        target=import_capture, args=("qrisp", capture, out), kwargs={"scale": 2}
+    )
+    process.start()
+    return process
+
+
+def finished(out):
+    return {p.name: p.read_bytes() for p in out.glob("*.clips/*.h5")}
+
+
+def test_killed_three_times_and_equal_to_an_undisturbed_import(capture, tmp_path):
+    (whole,) = import_capture("qrisp", capture, tmp_path / "whole", scale=2)
+    out, rng = tmp_path / "killed", random.Random(7)
+    kept: dict[str, bytes] = {}
+    for clips in (1, 3, 4):
+        process = start(capture, out)
+        while len(finished(out)) < clips and process.is_alive():
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0.0, 0.03))
+        os.kill(process.pid, signal.SIGKILL)
+        process.join()
+        assert not list(out.glob("*.h5")), "killed too late to prove anything"
+        now = finished(out)
+        assert now.items() >= kept.items()
+        kept = now
+    assert len(kept) >= 4
+    (resumed,) = import_capture("qrisp", capture, out, scale=2)
+    assert resumed.name == whole.name
+    assert resumed.read_bytes() == whole.read_bytes()
+    assert [p.name for p in out.iterdir() if not p.name.startswith(".")] == [whole.name]
+
+
+def test_three_processes_share_an_import(capture, tmp_path):
+    (whole,) = import_capture("qrisp", capture, tmp_path / "whole", scale=2)
+    out = tmp_path / "shared"
+    processes = [start(capture, out) for _ in range(3)]
+    for process in processes:
+        process.join(60)
+        assert process.exitcode == 0
+    assert (out / whole.name).read_bytes() == whole.read_bytes()
+    assert not list(out.glob("*.clips"))
+
+
+def test_a_finished_import_is_left_alone(capture, tmp_path):
+    (first,) = import_capture("qrisp", capture, tmp_path, scale=2)
+    made = first.stat().st_mtime_ns
+    assert import_capture("qrisp", capture, tmp_path, scale=2) == [first]
+    assert first.stat().st_mtime_ns == made
+    assert Store(first).spec.clips == CLIPS
