@@ -67,7 +67,7 @@ def main(overrides: list[str]) -> None:
     target = torch.rand(batch, kept, 3, side, side)
 
     def step() -> None:
-        loss(unroll(model, clip, kept), target, clip["motion"][:, -kept:]).backward()
+        loss(unroll(model, clip, kept), target, {"motion": clip["motion"][:, -kept:]}).backward()
 
     print(f"batch {batch}, {frames} frames, crops of {side} pixels, {cfg.threads} threads")
     for name, sample in (("PyTorch's", theirs), ("ours", bicubic_grid_sample)):

@@ -56,7 +56,7 @@ def bare_loop(cfg: DictConfig, loader) -> tuple[list[float], list[float]]:
         clip = next(iterator)
         ready = time.perf_counter()
         optimizer.zero_grad()
-        loss(unroll(model, clip, kept), clip["target"], clip["motion"][:, -kept:]).backward()
+        loss(unroll(model, clip, kept), clip["target"], {"motion": clip["motion"][:, -kept:]}).backward()
         optimizer.step()
         scheduler.step()
         computing.append(time.perf_counter() - ready)

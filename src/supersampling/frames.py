@@ -139,5 +139,7 @@ class Frame:
 
     @classmethod
     def of(cls, clip: Mapping[str, Tensor], t: int) -> "Frame":
-        """Time step ``t`` of a clip, whose buffers are ``(B, T, ...)``."""
-        return cls(**{f.name: clip[f.name][:, t] for f in fields(cls) if f.name in clip})
+        """Time step ``t`` of a clip, whose buffers are ``(B, T, ...)``; one that begins later is ``None`` before."""
+        length = length_of(clip)
+        late = {f.name: t - (length - clip[f.name].shape[1]) for f in fields(cls) if f.name in clip}
+        return cls(**{name: clip[name][:, k] for name, k in late.items() if k >= 0})

@@ -1,6 +1,7 @@
 """Training losses over a clip's counted frames."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import final
 
 from torch import Tensor, nn
@@ -10,29 +11,28 @@ from supersampling.ops.temporal import carry_error, spatiotemporal_error
 
 
 class Loss(nn.Module, ABC):
-    """``forward(outputs, targets, motion) -> scalar``.
+    """``forward(outputs, targets, frames) -> scalar``.
 
-    ``outputs`` and ``targets`` are ``(B, previous + K, 3, H, W)``: the ``K`` frames that count, after the
-    ``previous`` frames that the loss looks back to. ``motion`` is the low-resolution motion ``(B, previous +
-    K, 2, h, w)``. ``requires`` names the buffers that are read: ``target`` and perhaps ``motion`` (``None``
-    will do otherwise).
+    ``outputs`` and ``targets`` are ``(B, previous + K, 3, H, W)``: the ``K`` frames that count, after the ``previous`` frames
+    that the loss looks back to, in the method's own domain (`models.base.Upsampler.reference`). ``frames`` holds the same
+    frames' low-resolution buffers ``(B, previous + K, C, h, w)``; ``requires`` names those that are read.
     """
 
     requires: frozenset[str]
     previous: int
 
     @abstractmethod
-    def forward(self, outputs: Tensor, targets: Tensor, motion: Tensor | None) -> Tensor: ...
+    def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor: ...
 
 
 @final
 class L1(Loss):
     """Mean absolute error (Swensen 2021, eq 7)."""
 
-    requires = frozenset({"target"})
+    requires = frozenset[str]()
     previous = 0
 
-    def forward(self, outputs: Tensor, targets: Tensor, motion: Tensor | None) -> Tensor:
+    def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
         return (outputs - targets).abs().mean()
 
 
@@ -46,7 +46,7 @@ class SpatioTemporal(Loss):
     target.
     """
 
-    requires = frozenset({"target", "motion"})
+    requires = frozenset({"motion"})
     previous = 1
 
     def __init__(self, theta: float) -> None:
@@ -55,8 +55,8 @@ class SpatioTemporal(Loss):
             raise UserError(f"loss.theta must lie in [0, 1], got {theta}; the thesis tries 0.1, 0.5 and 0.9.")
         self.theta = theta
 
-    def forward(self, outputs: Tensor, targets: Tensor, motion: Tensor | None) -> Tensor:
-        assert motion is not None, "SpatioTemporal reads motion: see its requires"
+    def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
+        motion = frames["motion"]
         error = outputs - targets
         carried = carry_error(error[:, :-1].flatten(0, 1), motion[:, 1:].flatten(0, 1))
         return spatiotemporal_error(error[:, 1:].flatten(0, 1), carried, self.theta).mean()

@@ -15,8 +15,8 @@ def clip(b=2, frames=3, h=3, w=4, scale=2):
 def test_l1_is_the_mean_absolute_error():
     outputs, targets, _ = clip()
     expected = sum(abs(a - b) for a, b in zip(outputs.flatten().tolist(), targets.flatten().tolist()))
-    assert L1()(outputs, targets, None).item() == pytest.approx(expected / outputs.numel())
-    assert (L1.requires, L1.previous) == ({"target"}, 0)
+    assert L1()(outputs, targets, {}).item() == pytest.approx(expected / outputs.numel())
+    assert (L1.requires, L1.previous) == (set(), 0)
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.1, 0.5, 1.0])
@@ -36,21 +36,21 @@ def test_spatiotemporal_is_equation_54_on_separately_warped_images(theta):
         x, y = outputs[:, t] - targets[:, t], before[0] - before[1]
         total += (x.abs() + y.abs() + theta * ((x - y).abs() - x.abs() - y.abs())).mean().item()
     loss = SpatioTemporal(theta)
-    assert loss(outputs, targets, motion).item() == pytest.approx(total / (frames - 1), rel=1e-9)
-    assert (loss.requires, loss.previous) == ({"target", "motion"}, 1)
+    assert loss(outputs, targets, {"motion": motion}).item() == pytest.approx(total / (frames - 1), rel=1e-9)
+    assert (loss.requires, loss.previous) == ({"motion"}, 1)
 
 
 def test_a_constant_error_costs_space_but_not_time():
     _, targets, motion = clip()
     still = torch.zeros_like(motion)
-    assert SpatioTemporal(1.0)(targets + 0.1, targets, still).item() == pytest.approx(0.0, abs=1e-12)
-    assert SpatioTemporal(0.0)(targets + 0.1, targets, still).item() == pytest.approx(0.2)
+    assert SpatioTemporal(1.0)(targets + 0.1, targets, {"motion": still}).item() == pytest.approx(0.0, abs=1e-12)
+    assert SpatioTemporal(0.0)(targets + 0.1, targets, {"motion": still}).item() == pytest.approx(0.2)
 
 
 def test_gradient_reaches_the_previous_frame():
     outputs, targets, motion = clip()
     outputs.requires_grad_()
-    SpatioTemporal(0.5)(outputs, targets, motion).backward()
+    SpatioTemporal(0.5)(outputs, targets, {"motion": motion}).backward()
     assert outputs.grad.isfinite().all()
     assert outputs.grad[:, 0].abs().max() > 0
 

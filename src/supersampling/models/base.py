@@ -1,6 +1,7 @@
 """What every upsampling method is: a recurrent step that says which buffers it reads."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import Any, Generic, TypeVar
 
 from torch import Tensor, nn
@@ -13,12 +14,22 @@ State = TypeVar("State")
 class Upsampler(nn.Module, ABC, Generic[State]):
     """A recurrent step ``forward(frame, state) -> (output, state)``.
 
-    ``output`` is ``(B, 3, scale * h, scale * w)``, display-referred, in [0, 1]. ``state`` is ``None`` on a clip's
-    first frame and belongs to the model: callers hand it back unread. ``requires`` names the buffers that are read.
+    ``output`` is ``(B, 3, scale * h, scale * w)`` in the method's own domain: display-referred colour in [0, 1] unless it
+    says otherwise by `reference` and `present`. ``state`` is ``None`` on a clip's first frame and belongs to the model: callers
+    hand it back unread. ``requires`` names the buffers that are read, ``compares`` those that a training's `reference` is made of.
     """
 
     scale: int
     requires: frozenset[str]
+    compares: frozenset[str] = frozenset({"target"})
+
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        """What outputs are compared with in training, ``(B, T, 3, H, W)``, of a clip's ``compares`` buffers."""
+        return clip["target"]
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        """The display-referred image ``(B, 3, H, W)`` in [0, 1] of an output of this ``frame``."""
+        return output
 
     @abstractmethod
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]: ...

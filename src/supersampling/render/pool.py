@@ -5,7 +5,8 @@ import os
 import signal
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.queues import Queue
 from multiprocessing.sharedctypes import Synchronized
@@ -20,6 +21,7 @@ from supersampling.render.content import check_scene
 from supersampling.render.scene import Scene
 
 _POLL = 0.2  # seconds
+_THREADS = "LP_NUM_THREADS"
 
 
 @dataclass(frozen=True)
@@ -84,31 +86,51 @@ def _alone(files: Sequence[DataFile], studio: Studio, bar: tqdm) -> None:
 
 
 def _by_processes(order: Order, workers: int, bar: tqdm) -> None:
-    # Spawned, since an OpenGL context and PyTorch's threads do not survive a fork.
+    """This process is one of the workers; the others are spawned, since an OpenGL context does not survive a fork."""
     context = multiprocessing.get_context("spawn")
     frames, errors = context.Value("l", 0), context.Queue()
     arguments = (order, frames, errors, os.getpid())
-    processes = [context.Process(target=_worker, args=arguments, daemon=True) for _ in range(workers)]
-    try:
-        for process in processes:
-            process.start()
-        while any(process.is_alive() for process in processes):
-            time.sleep(_POLL)
+    others = [context.Process(target=_worker, args=arguments, daemon=True) for _ in range(workers - 1)]
+
+    def step(own: int = 1) -> None:
+        with frames.get_lock():
+            frames.value += own
             bar.update(frames.value - bar.n)
-            if not errors.empty():
-                raise _as_raised(*errors.get())
-        for process in processes:
-            process.join()
         if not errors.empty():
             raise _as_raised(*errors.get())
-        for process in processes:
+
+    try:
+        for process in others:
+            process.start()
+        with _one_core(), Studio(path=order.path) as studio:
+            for file in order.files():
+                file.work(studio, step)
+        while any(process.is_alive() for process in others):
+            time.sleep(_POLL)
+            step(0)
+        for process in others:
+            process.join()
+            step(0)
             if process.exitcode != 0:
                 raise RuntimeError(f"A rendering process ended with status {process.exitcode}.")
     finally:
-        for process in processes:
+        for process in others:
             process.terminate()
-        for process in processes:
+        for process in others:
             process.join()
+
+
+@contextmanager
+def _one_core() -> Iterator[None]:
+    """Mesa's software rasteriser on the calling thread alone, in contexts that are made meanwhile."""
+    before = os.environ.get(_THREADS)
+    os.environ[_THREADS] = "0"
+    try:
+        yield
+    finally:
+        del os.environ[_THREADS]
+        if before is not None:
+            os.environ[_THREADS] = before
 
 
 def _as_raised(by_user: bool, text: str) -> Exception:
@@ -119,7 +141,6 @@ def _worker(
     order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool, str]]", parent: int
 ) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
-    os.environ["LP_NUM_THREADS"] = "1"  # Mesa's software rasteriser: one core a process
 
     def step() -> None:
         if os.getppid() != parent:
@@ -128,7 +149,7 @@ def _worker(
             frames.value += 1
 
     try:
-        with Studio(path=order.path) as studio:
+        with _one_core(), Studio(path=order.path) as studio:
             for file in order.files():
                 file.work(studio, step)
     except UserError as error:

@@ -60,7 +60,9 @@ def score(
         length = len(clip["color"])
         batch = {key: value.unsqueeze(0).to(device) for key, value in clip.items()}
         for t in range(length):
-            output, state = model(Frame.of(batch, t), state)
+            frame = Frame.of(batch, t)
+            output, state = model(frame, state)
+            output = model.present(output, frame)
             target = batch["target"][:, t]
             motion = batch["motion"][:, t] if "motion" in metrics.requires else None
             scores = metrics(Moment(output, target, previous, motion))

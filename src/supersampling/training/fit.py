@@ -61,7 +61,7 @@ def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsamp
     """The loaders that a configuration asks for, with the buffers that its model and loss read."""
     cut = Cut(cfg.budget.crop, cfg.budget.frames, cfg.budget.counted + loss.previous)
     pick, augment = instantiate(cfg.pick), instantiate(cfg.augment)
-    requires = model.requires | loss.requires | pick.requires
+    requires = model.requires | model.compares | loss.requires | pick.requires
     train = WindowDataset(files["train"], cut, requires, pick, augment, cfg.seed)
     val = WholeClips(files["val"], requires)
     return Loaders(train, val, batch=cfg.budget.batch, steps=cfg.budget.steps, workers=cfg.workers)

@@ -68,7 +68,7 @@ def required_buffers(cfg: DictConfig) -> frozenset[str]:
     model: Upsampler = instantiate(cfg.model)
     names = evaluation_requires(model, instantiate(cfg.metrics))
     if any(p.requires_grad for p in model.parameters()):
-        names |= instantiate(cfg.loss).requires | instantiate(cfg.pick).requires
+        names |= model.compares | instantiate(cfg.loss).requires | instantiate(cfg.pick).requires
     return names
 
 

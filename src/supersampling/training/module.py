@@ -52,14 +52,17 @@ class Training(L.LightningModule):
 
     def training_step(self, clip: dict[str, Tensor], batch_index: int) -> Tensor:
         outputs = unroll(self.model, clip, self._kept)
-        motion = clip["motion"][:, -self._kept :] if "motion" in clip else None
-        value = self.loss(outputs, clip["target"], motion)
+        frames = {name: values[:, -self._kept :] for name, values in clip.items()}
+        value = self.loss(outputs, self.model.reference(frames), frames)
         self.log("train/loss", value, on_step=False, on_epoch=True, batch_size=len(outputs))
         return value
 
     def validation_step(self, clip: dict[str, Tensor], batch_index: int) -> None:
-        outputs = unroll(self.model, clip, clip["target"].shape[1])
-        mean = psnr(outputs.flatten(0, 1).float(), clip["target"].flatten(0, 1)).mean()
+        kept = clip["target"].shape[1]
+        outputs = unroll(self.model, clip, kept)
+        first = length_of(clip) - kept
+        shown = [self.model.present(outputs[:, k], Frame.of(clip, first + k)) for k in range(kept)]
+        mean = psnr(torch.cat(shown).float(), clip["target"].transpose(0, 1).flatten(0, 1)).mean()
         self.log("val/psnr", mean, on_epoch=True, batch_size=1, prog_bar=True, sync_dist=True)
 
     def configure_optimizers(self) -> Any:

@@ -25,7 +25,9 @@ def _mean_psnr(model: Upsampler, clips: list[dict[str, torch.Tensor]]) -> float:
         length = length_of(batch)
         first = length - len(clip["target"])
         for t in range(length):
-            output, state = model(Frame.of(batch, t), state)
+            frame = Frame.of(batch, t)
+            output, state = model(frame, state)
+            output = model.present(output, frame)
             if t >= max(first, WARM_UP):
                 values.append(psnr(output, clip["target"][t - first : t - first + 1]).item())
     return float(np.mean(values))
