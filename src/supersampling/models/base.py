@@ -16,7 +16,8 @@ class Upsampler(nn.Module, ABC, Generic[State]):
 
     ``output`` is ``(B, 3, scale * h, scale * w)`` in the method's own domain: display-referred colour in [0, 1] unless it
     says otherwise by `reference` and `present`. ``state`` is ``None`` on a clip's first frame and belongs to the model: callers
-    hand it back unread. ``requires`` names the buffers that are read, ``compares`` those that a training's `reference` is made of.
+    hand it back unread. ``requires`` names the buffers that are read, ``compares`` those that a training's `reference` is made
+    of.
     """
 
     scale: int
