@@ -10,7 +10,7 @@ from supersampling.render.scene import Object, Scene
 Points = NDArray[np.float64]
 
 
-def check_meshes(scene: Scene, most_triangles: int = 80_000) -> None:
+def check_meshes(scene: Scene, most_triangles: int = 80_000, most_texels: float = 20e6) -> None:
     """Meshes are sound, used exactly once, face along their normals, and use every material; textures are bounded."""
     assert sorted(m for o in scene.objects for m in o.meshes) == list(range(len(scene.meshes)))
     assert {m.material for m in scene.meshes} == set(range(len(scene.materials)))
@@ -30,7 +30,7 @@ def check_meshes(scene: Scene, most_triangles: int = 80_000) -> None:
     assert agreeing > 0.99 * total
     assert total <= most_triangles
     maps = {id(t): t for m in scene.materials for t in (m.albedo, m.normal, m.surface) if t is not None}
-    assert sum(t.shape[0] * t.shape[1] for t in maps.values()) <= 20e6
+    assert sum(t.shape[0] * t.shape[1] for t in maps.values()) <= most_texels
 
 
 def check_motion(scene: Scene) -> None:
