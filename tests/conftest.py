@@ -103,3 +103,14 @@ def make_file() -> Callable[..., Path]:
         return path
 
     return make
+
+
+@pytest.fixture
+def vgg(monkeypatch: pytest.MonkeyPatch) -> None:
+    """VGG-16 of 13 convolutions of one random channel each, in place of the pretrained one, which is no part of a test."""
+    from supersampling.losses import perceptual
+
+    torch.manual_seed(0)
+    pairs = tuple((torch.randn(1, 1 if k else 3, 3, 3), torch.zeros(1)) for k in range(13))
+    small = perceptual.Pretrained(pairs, (0.5,) * 3, (0.25,) * 3)
+    monkeypatch.setattr(perceptual, "pretrained", lambda weights: small)

@@ -31,7 +31,7 @@ CASES = [
 
 
 @pytest.mark.parametrize("override", CASES)
-def test_it_composes_and_its_model_and_loss_are_made(override):
+def test_it_composes_and_its_model_and_loss_are_made(override, vgg):
     cfg = composed(override)
     OmegaConf.resolve(cfg.model)
     model = instantiate(cfg.model)

@@ -18,7 +18,9 @@ COMMANDS = sorted(
         line.strip()
         for page in PAGES
         for line in re.findall(
-            r"^ {4}(python (?:train|render|show|evaluate|report)\.py.*)$", page.read_text(), re.MULTILINE
+            r"^ {4}(python (?:train|render|show|count|evaluate|report)\.py.*)$",
+            page.read_text(),
+            re.MULTILINE,
         )
     }
 )
@@ -71,9 +73,10 @@ SMALL = {
     "render": ["data=smoke", "scene=atrium"],
     "show": ["data=smoke", "scene=atrium", "video=null"],
     "evaluate": ["data=smoke", "scene=atrium"],
+    "count": ["scene=atrium"],
     "report": [],
 }
-ORDER = {"render": 0, "show": 1, "train": 2, "evaluate": 3, "report": 4}
+ORDER = {"count": 0, "render": 0, "show": 1, "train": 2, "evaluate": 3, "report": 4}
 # What needs files of the user's, or hours.
 UNRUN = r"RUN_ID|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"
 RUNNABLE = [c for c in COMMANDS if not re.search(UNRUN, c)]

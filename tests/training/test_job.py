@@ -74,8 +74,16 @@ def test_an_interrupted_training_reaches_the_same_weights(configure, files, stor
     monkeypatch.setattr(Training, "training_step", failing)
     with pytest.raises(RuntimeError, match="power cut"):
         fit(cfg, files, tmp_path / "cut", store, run_id)
-    monkeypatch.setattr(Training, "training_step", step)
+    assert (tmp_path / "cut" / "last.ckpt").exists()  # of the first epoch
+    steps = []
+
+    def counting(self, clip, batch_index):
+        steps.append(self.global_step)
+        return step(self, clip, batch_index)
+
+    monkeypatch.setattr(Training, "training_step", counting)
     resumed = fit(cfg, files, tmp_path / "cut", store, run_id)
+    assert steps[0] == cfg.budget.steps  # goes on behind it
     for name, weight in whole.state_dict().items():
         assert torch.equal(weight, resumed.state_dict()[name]), name
 

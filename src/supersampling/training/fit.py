@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import lightning as L
 import torch
 from hydra.utils import instantiate
-from lightning.pytorch.callbacks import ModelCheckpoint, Timer
+from lightning.pytorch.callbacks import Timer
 from lightning.pytorch.loggers import MLFlowLogger
 from omegaconf import DictConfig, OmegaConf
 
@@ -15,7 +15,7 @@ from supersampling.data.clips import Cut, WholeClips, WindowDataset
 from supersampling.data.module import Loaders
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
-from supersampling.training.module import Training
+from supersampling.training.module import Training, checkpoints
 from supersampling.training.tune import tune
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def fit(
         log_every_n_steps=cfg.budget.steps,
         num_sanity_val_steps=0,
         enable_model_summary=False,
-        callbacks=[timer, ModelCheckpoint(folder, save_last=True, save_top_k=0, every_n_epochs=1)],
+        callbacks=[timer, checkpoints(folder)],
     )
     loaders = make_loaders(cfg, files, model, loss)
     trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)

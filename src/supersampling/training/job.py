@@ -163,13 +163,20 @@ class Job:
 _PUBLISHED = {
     "dlctus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "accumulate": "buffer"},
     "tus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "rectify": "clamp_rgb"},
-}
+    "nsrr": {
+        "extract": "learned", "upsample": "zero", "warp_at": "target", "reweight": "learned", "colour_space": "ycbcr",
+    },
+    "nsrd": {"demodulate": "lighting", "motion_mask": "dual", "recur": "convlstm"},
+    "enss": {
+        "flow": "motion_vectors", "history": "blended", "kernel_prediction": "both", "motion_grid": "block",
+    },
+}  # fmt: skip
 
 
 def method_name(choices: Mapping[str, Any]) -> str:
     """``dlctus``, or ``dlctus reproject=bilinear`` when a stage differs from the published one."""
     model = choices["model"]
-    stages = _PUBLISHED.get(model, {})
+    stages = _PUBLISHED.get(str(model).partition("_")[0], {})  # a size or a faster form has the same stages
     swapped = [
         f"{s}={choices[f'model/{s}']}" for s in stages if choices.get(f"model/{s}", stages[s]) != stages[s]
     ]

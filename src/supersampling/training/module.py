@@ -1,10 +1,13 @@
 """The one training loop: any upsampler as a recurrent step, unrolled over a clip, with backpropagation through time."""
 
 from collections.abc import Callable, Iterable, Mapping
+from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import lightning as L
 import torch
+from lightning.pytorch.callbacks import ModelCheckpoint
 from torch import Tensor, nn
 from torch.optim import Optimizer
 from torch.optim.lr_scheduler import LRScheduler
@@ -14,8 +17,36 @@ from supersampling.losses import Loss
 from supersampling.metrics.image import psnr
 from supersampling.models.base import Upsampler
 
+# Steps whose losses are looked at together: asking an accelerator for a value makes it wait.
+CHECKED_TOGETHER = 16
+
 OptimizerFactory = Callable[[Iterable[nn.Parameter]], Optimizer]
 SchedulerFactory = Callable[[Optimizer], LRScheduler]
+
+
+KEPT = (
+    "The checkpoint written before was kept. A smaller budget.lr, trainer.gradient_clip_val=1 or "
+    "trainer.precision=32-true may help."
+)
+
+
+def checkpoints(folder: Path) -> ModelCheckpoint:
+    """Writes ``folder/last.ckpt`` at the end of every epoch, validated or not, over the one before.
+
+    Not by ``save_last`` without ``save_top_k``: Lightning then writes one checkpoint, when the training ends.
+    """
+    return ModelCheckpoint(
+        folder,
+        "last",
+        save_top_k=1,
+        every_n_epochs=1,
+        save_on_train_epoch_end=True,
+        enable_version_counter=False,
+    )
+
+
+class NotFinite(Exception):
+    """A loss became NaN or infinite: says which term, at which step, and on which samples."""
 
 
 def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
@@ -32,7 +63,9 @@ def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
 class Training(L.LightningModule):
     """Trains ``model`` with ``loss`` on the last ``counted`` frames of each sub-sequence (DLCTUS 4.3.1 and 4.3.4).
 
-    Logs ``train/loss`` and ``train/lr`` per epoch, and ``val/psnr``, the mean over whole validation clips.
+    Logs ``train/loss`` per epoch, ``train/<term>`` for each term of a sum of several, and ``val/psnr``, the mean over whole
+    validation clips. A loss that is not finite raises `NotFinite` within `CHECKED_TOGETHER` steps, and before any
+    checkpoint is written.
     """
 
     def __init__(
@@ -49,13 +82,54 @@ class Training(L.LightningModule):
         self._make_optimizer = optimizer
         self._make_scheduler = scheduler
         self._kept = counted + loss.previous
+        self._unchecked: list[tuple[int, int, dict[str, Tensor]]] = []  # step, batch of the epoch, terms
 
     def training_step(self, clip: dict[str, Tensor], batch_index: int) -> Tensor:
         outputs = unroll(self.model, clip, self._kept)
         frames = {name: values[:, -self._kept :] for name, values in clip.items()}
-        value = self.loss(outputs, self.model.reference(frames), frames)
+        terms = self.loss.terms(outputs, self.model.reference(frames), frames)
+        value = torch.stack(list(terms.values())).sum()
+        self._unchecked.append((self.global_step, batch_index, {k: v.detach() for k, v in terms.items()}))
+        if len(self._unchecked) == CHECKED_TOGETHER:
+            self._check()
         self.log("train/loss", value, on_step=False, on_epoch=True, batch_size=len(outputs))
+        if len(terms) > 1:
+            named = {f"train/{name}": term for name, term in terms.items()}
+            self.log_dict(named, on_step=False, on_epoch=True, batch_size=len(outputs))
         return value
+
+    def on_train_epoch_end(self) -> None:
+        self._check()
+
+    def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        """Refuse to write weights or a loss that are not finite; the last checkpoint then stays."""
+        self._check()
+        bad = [name for name, weight in checkpoint["state_dict"].items() if not weight.isfinite().all()]
+        if bad:
+            raise NotFinite(
+                f"The weights {', '.join(bad[:3])} stopped being finite in the last step of epoch {self.current_epoch}, whose "
+                f"loss was finite. {KEPT}"
+            )
+
+    def _check(self) -> None:
+        """Raise `NotFinite` for the first step since the last look whose terms are not all finite."""
+        steps, self._unchecked = self._unchecked, []
+        if not steps or torch.stack([v for _, _, terms in steps for v in terms.values()]).isfinite().all():
+            return
+        for step, batch, terms in steps:
+            bad = [f"{name} = {value.item()}" for name, value in terms.items() if not value.isfinite()]
+            if bad:
+                good = [f"{name} = {value.item():.4g}" for name, value in terms.items() if value.isfinite()]
+                raise NotFinite(
+                    f"The loss stopped being finite at step {step} (epoch {self.current_epoch}, batch {batch}): "
+                    f"{', '.join(bad)}{', beside ' if good else ''}{', '.join(good)}. Its windows are the items "
+                    f"{self._items(batch)} of the training data set. {KEPT}"
+                )
+
+    def _items(self, batch: int) -> list[int]:
+        """The data set's indices in a batch of this epoch: the sampler gives the same ones again."""
+        loader: Any = self.trainer.train_dataloader
+        return list(next(islice(iter(loader.batch_sampler), batch, None)))
 
     def validation_step(self, clip: dict[str, Tensor], batch_index: int) -> None:
         kept = clip["target"].shape[1]

@@ -1,0 +1,124 @@
+"""Distance between the features of a pretrained image classifier."""
+
+import pickle
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, final
+
+import torch
+import torch.nn.functional as F
+import torchvision
+from torch import Tensor
+from torchvision.models.vgg import cfgs, make_layers
+
+from supersampling.errors import UserError
+from supersampling.losses.base import Loss
+
+# VGG-16's convolutions by block (Simonyan and Zisserman 2015, configuration D); all blocks but the first begin by a max-pool.
+_BLOCKS = (2, 2, 3, 3, 3)
+LAYERS = tuple(f"relu{b}_{k}" for b, n in enumerate(_BLOCKS, 1) for k in range(1, n + 1))
+
+
+@dataclass(frozen=True)
+class Pretrained:
+    """The 13 convolutions' ``(weight, bias)`` in order, and the mean and deviation that inputs are normalised by."""
+
+    convolutions: tuple[tuple[Tensor, Tensor], ...]
+    mean: tuple[float, ...]
+    deviation: tuple[float, ...]
+
+
+@cache
+def pretrained(weights: str) -> Pretrained:
+    """VGG-16 by torchvision's own path, which downloads it once.
+
+    Raises:
+        UserError: there are no such weights, or they cannot be had; it says which file goes where.
+    """
+    known = {entry.name: entry for entry in torchvision.models.VGG16_Weights}
+    if weights not in known:
+        raise UserError(
+            f"There are no VGG-16 weights {weights} in torchvision: use one of {', '.join(known)}."
+        )
+    entry: Any = known[weights]
+    layers = make_layers(cfgs["D"])
+    try:
+        state = entry.get_state_dict(progress=False, check_hash=True)
+        layers.load_state_dict(
+            {k.removeprefix("features."): v for k, v in state.items() if k.startswith("features.")}
+        )
+    except (OSError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
+        path = f"{torch.hub.get_dir()}/checkpoints/{entry.url.rsplit('/', 1)[-1]}"
+        reason = (str(error) or type(error).__name__).splitlines()[0]
+        raise UserError(
+            f"The perceptual loss needs VGG-16, which could not be had ({reason}): put the file {entry.url} at {path}, or leave "
+            "the term out."
+        ) from error
+    made = [m for m in layers if isinstance(m, torch.nn.Conv2d)]
+    pairs = tuple((m.weight.detach(), m.bias.detach()) for m in made if m.bias is not None)
+    preset = entry.transforms()
+    return Pretrained(pairs, tuple(preset.mean), tuple(preset.std))
+
+
+@final
+class Perceptual(Loss):
+    """The perceptual term of Xiao et al. 2020, eq 1: ``sum over layers of |conv_i(x) - conv_i(y)|^2`` in VGG-16.
+
+    The paper sums five layers and refers to Johnson et al. 2016 for which; these name four, relu1_2, relu2_2, relu3_3 and
+    relu4_3: the last of each block. The fifth is taken to be the fifth block's, relu5_3. Each square is a mean over the
+    layer's values, as in Johnson et al., equation 2 (a plain sum, as equation 1 may be read, would leave nothing of the SSIM
+    beside it). Images are taken for RGB in [0, 1] and normalised as the weights want it; values of other domains go in as
+    they are (the paper, too, feeds YCbCr when its output is).
+
+    Args:
+        layers: some of `LAYERS`.
+        weights: a name in ``torchvision.models.VGG16_Weights``.
+    """
+
+    requires = frozenset[str]()
+    previous = 0
+    mean: Tensor
+    deviation: Tensor
+
+    def __init__(self, layers: Sequence[str], weights: str) -> None:
+        super().__init__()
+        unknown = [name for name in layers if name not in LAYERS]
+        if unknown or not layers:
+            raise UserError(f"layers={list(layers)} of the perceptual loss: use some of {', '.join(LAYERS)}.")
+        network = pretrained(weights)
+        self.layers = frozenset(layers)
+        self._run = LAYERS[: max(LAYERS.index(name) for name in layers) + 1]
+        # Buffers that are not persistent: they follow the device, and stay out of checkpoints and optimizers.
+        self.register_buffer("mean", torch.tensor(network.mean)[:, None, None], persistent=False)
+        self.register_buffer("deviation", torch.tensor(network.deviation)[:, None, None], persistent=False)
+        for name, (kernel, bias) in zip(self._run, network.convolutions):
+            self.register_buffer(f"{name}_kernel", kernel, persistent=False)
+            self.register_buffer(f"{name}_bias", bias, persistent=False)
+
+    def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
+        height, width = outputs.shape[-2:]
+        least = 2 ** (int(self._run[-1][4]) - 1)
+        if min(height, width) < least:
+            raise UserError(
+                f"{self._run[-1]} of VGG-16 needs crops of at least {least}x{least} pixels, got {width}x{height}: raise "
+                "budget.crop, or leave the layer out."
+            )
+        # Not in half precision under autocast: near the target, the features' difference is below its rounding.
+        with torch.autocast(outputs.device.type, enabled=False):
+            with torch.no_grad():
+                wanted = self.features(targets.flatten(0, 1).float())
+            made = self.features(outputs.flatten(0, 1).float())
+            return torch.stack([F.mse_loss(a, b) for a, b in zip(made, wanted)]).sum()
+
+    def features(self, images: Tensor) -> list[Tensor]:
+        """The chosen layers' activations of images ``(B, 3, H, W)``, in the network's order."""
+        x = (images - self.mean) / self.deviation
+        found = []
+        for name in self._run:
+            if name.endswith("_1") and name != LAYERS[0]:
+                x = F.max_pool2d(x, 2)
+            x = F.relu(F.conv2d(x, getattr(self, f"{name}_kernel"), getattr(self, f"{name}_bias"), padding=1))
+            if name in self.layers:
+                found.append(x)
+        return found

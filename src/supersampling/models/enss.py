@@ -1,0 +1,155 @@
+"""ENSS: efficient neural supersampling (Mercier et al. 2023, "Efficient neural supersampling on a novel gaming dataset")."""
+
+import copy
+from collections.abc import Callable
+from typing import final
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from supersampling.errors import UserError
+from supersampling.frames import Frame
+from supersampling.models.base import Upsampler
+from supersampling.ops.resample import check_scale, jitter_aligned_upsample
+from supersampling.stages.confine import Confine
+from supersampling.stages.flow import Flow
+from supersampling.stages.history import History
+from supersampling.stages.kernel_prediction import KernelPrediction, convolve
+from supersampling.stages.motion_grid import MotionGrid
+from supersampling.stages.reproject import Reproject
+
+MakeKernels = Callable[[Tensor, Tensor], KernelPrediction]
+GUIDES = 6  # colour, depth and the two components of the jitter
+RANDOM_PART = 0.3
+
+
+class Network(nn.Module):
+    """The bottom of figure 4: ``(B, inputs, h, w) -> (B, outputs, h, w)``, all at low resolution, any size from 1x1 up.
+
+    A convolution, ``depth`` more of ``features`` channels, each with a ReLU, and a last one without. The first's and last's
+    kernels come from the jitter; their biases are learned.
+
+    The paper names QuickSRNet (Berger et al. 2023) as what it builds on but no initialisation: it is that network's here, but
+    for the random part's size. To PyTorch's own kernels at 0.3 of their size identities are added, so that the first three inputs
+    pass to the first three outputs at all places of a block: training starts near nearest-neighbour upsampling of the colour. At
+    full size, the random part hid the colour, and 250 short steps ended 0.8 dB lower.
+    """
+
+    def __init__(
+        self, inputs: int, features: int, depth: int, block: int, planes: int, kernel_prediction: MakeKernels
+    ) -> None:
+        super().__init__()
+        convs = [nn.Conv2d(inputs, features, 3, padding=1)]
+        convs += [nn.Conv2d(features, features, 3, padding=1) for _ in range(depth)]
+        last = nn.Conv2d(features, block * planes, 3, padding=1)
+        with torch.no_grad():
+            last.weight.mul_(RANDOM_PART)
+            for conv in convs:
+                conv.weight.mul_(RANDOM_PART)
+                passed = range(min(conv.in_channels, features))
+                conv.weight[passed, passed, 1, 1] += 1.0
+            for c in range(min(3, features)):
+                last.weight[c * block : (c + 1) * block, c, 1, 1] += 1.0
+        first, *body = convs
+        self.kernels = kernel_prediction(first.weight.detach(), last.weight.detach())
+        assert first.bias is not None
+        assert last.bias is not None
+        self.first_bias, self.last_bias = first.bias, last.bias
+        self.body = nn.ModuleList(body)
+
+    def forward(self, x: Tensor, jitter: Tensor) -> Tensor:
+        first, last = self.kernels(jitter)
+        x = F.relu(convolve(x, first, self.first_bias))
+        for conv in self.body:
+            x = F.relu(conv(x))
+        return convolve(x, last, self.last_bias)
+
+
+@final
+class ENSS(Upsampler[tuple[Tensor, ...]]):
+    """A small network at low resolution blends its candidate with the reprojected previous output.
+
+    The state is the history ``(B, 4, H, W)``, colour and one recurrent feature, and what `flow` remembers. S is f16-m1, M f32-m3,
+    L f64-m5 (section 5).
+
+    Where the paper is silent: convolutions pad with zeros; the candidate is brought to [0, 1] by `confine`, as QuickSRNet clips;
+    the recurrent feature's activation is a tanh (only the mask's is named); the jitter enters as two constant planes in
+    low-resolution pixels (eq 2) beside choosing kernels; depth is the linear one of the data, 0 at the near plane, as in the
+    paper's; the history before the first frame is the jitter-aligned input, with features of 0; outside the previous image its
+    border is repeated; depth-to-space orders channels as `torch.nn.functional.pixel_shuffle`: colour, mask, feature.
+
+    Args:
+        scale: ``s``.
+        features: ``f``, channels of the inner layers.
+        depth: ``m``, how many layers lie between first and last.
+        flow, motion_grid, reproject, history, confine: stages.
+        kernel_prediction: makes the stage from the kernels that the first and last convolution start from.
+    """
+
+    def __init__(
+        self,
+        scale: int,
+        features: int,
+        depth: int,
+        flow: Flow,
+        motion_grid: MotionGrid,
+        reproject: Reproject,
+        history: History,
+        confine: Confine,
+        kernel_prediction: MakeKernels,
+    ) -> None:
+        super().__init__()
+        if features < 1 or depth < 0:
+            raise UserError(
+                f"model.features must be 1 or more and model.depth 0 or more, got {features} and {depth}; the paper's M has "
+                "32 and 3."
+            )
+        self.scale = check_scale(scale)
+        self.flow, self.motion_grid, self.reproject = flow, motion_grid, reproject
+        self.history, self.confine = history, confine
+        inputs = GUIDES + history.carried * scale**2
+        planes = 3 + history.extra
+        self.network = Network(inputs, features, depth, scale**2, planes, kernel_prediction)
+        self.requires = frozenset({"color", "depth", "jitter"})
+        if history.carried:
+            self.requires |= flow.requires
+
+    def forward(self, frame: Frame, state: tuple[Tensor, ...] | None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        color, depth, jitter = frame.color, frame.depth, frame.jitter
+        assert color is not None
+        assert depth is not None
+        assert jitter is not None
+        planes = jitter[..., None, None].expand(-1, -1, *color.shape[-2:])
+        inputs = [color, depth, planes]
+        previous = None
+        if self.history.carried:
+            previous = self._previous(frame, state)
+            inputs.append(F.pixel_unshuffle(previous, self.scale))  # space-to-depth
+
+        predicted = self.network(torch.cat(inputs, dim=1), jitter)  # eq 2
+        # Blending and history stay in full precision under autocast: what is lost there adds up over frames.
+        predicted = F.pixel_shuffle(predicted.to(color.dtype), self.scale)
+        output, carried = self.history(self.confine(predicted[:, :3]), predicted[:, 3:], previous)
+        if not self.history.carried:
+            return output, ()
+        return output, (carried, *self.flow.remember(frame))
+
+    def _previous(self, frame: Frame, state: tuple[Tensor, ...] | None) -> Tensor:
+        """The warping module (section 4.1): the history brought to this frame, ``(B, carried, H, W)``."""
+        assert frame.color is not None
+        assert frame.jitter is not None
+        assert frame.depth is not None
+        if state is None:
+            return self.history.start(jitter_aligned_upsample(frame.color, frame.jitter, self.scale))
+        carried, *memory = state
+        motion = self.flow(frame, tuple(memory))
+        if motion is None:
+            return carried
+        return self.reproject(carried, self.motion_grid(motion, frame.depth, self.scale))
+
+    def with_precomputed_kernels(self, jitters: Tensor) -> "ENSS":
+        """A copy for inference, whose kernels are made beforehand for a jitter sequence ``(N, 2)`` (section 4.2), without the
+        MLP."""
+        kernels = self.network.kernels
+        return copy.deepcopy(self, {id(kernels): kernels.precompute(jitters)})

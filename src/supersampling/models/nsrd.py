@@ -1,0 +1,116 @@
+"""NSRD: super-resolution of the lighting component by a frame-recurrent network (Li et al. 2024)."""
+
+from collections.abc import Mapping
+from typing import NamedTuple, final
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from supersampling.errors import UserError
+from supersampling.frames import Frame
+from supersampling.models.base import Upsampler
+from supersampling.models.blocks.attention import UShaped
+from supersampling.models.blocks.gated import GatedConvolution
+from supersampling.ops.chain import chain
+from supersampling.ops.resample import check_scale
+from supersampling.ops.warp import warp
+from supersampling.stages.demodulate import Demodulate
+from supersampling.stages.motion_mask import MotionMask
+from supersampling.stages.recur import MakeRecur
+
+INPUTS = 3 + 1 + 3  # lighting, depth, normal (section 4.1)
+FEATURES, WIDTH = 32, 64  # supplement, section 4.2
+
+
+class History(NamedTuple):
+    """What NSRD hands on to the next frame; all tensors are batch first.
+
+    ``inputs``: those of the latest frames, newest first, ``(B, 7, h, w)`` each. ``vectors``: from the latest frame to those
+    before it, ``(B, V, h, w)`` each, one fewer. ``carried``: the recurrent stage's.
+    """
+
+    inputs: tuple[Tensor, ...]
+    vectors: tuple[Tensor, ...]
+    carried: tuple[Tensor, ...]
+
+
+class Reconstruction(nn.Module):
+    """The U-shaped module, two convolutions and pixel shuffle: ``(B, 64, h, w) -> (B, 3, s h, s w)``."""
+
+    def __init__(self, scale: int) -> None:
+        super().__init__()
+        self.scale = scale
+        self.body = UShaped(WIDTH)
+        self.narrow = nn.Conv2d(WIDTH, FEATURES, 3, padding=1)
+        self.last = nn.Conv2d(FEATURES, 3 * scale**2, 3, padding=1)
+
+    def forward(self, x: Tensor) -> Tensor:
+        return F.pixel_shuffle(self.last(self.narrow(self.body(x))), self.scale)
+
+
+@final
+class NSRD(Upsampler[History]):
+    """Lighting, depth and normal of the current and the warped previous frames, and the previous output, to the lighting.
+
+    The output is the lighting component, linear and unbounded, or without demodulation the radiance. Published widths and 2
+    previous frames give 1,610,788 parameters at 4x4 and 145.37 G multiply-accumulates at 480x270 (supplement, table 2, which
+    counts the gated convolution once a frame, and cuts digits off).
+
+    Where the paper is silent: previous positions outside the image read its border; frames before a clip's first are that
+    frame, standing still; no activation between the first convolutions and the ConvLSTM, nor between the last two; PyTorch's
+    initial weights.
+
+    Args:
+        scale: ``s``; the paper has 2, 4 and 6.
+        previous: how many previous frames are warped, from 1 up; the paper has 2.
+        demodulate, motion_mask: stages.
+        recur: makes the recurrent stage.
+    """
+
+    def __init__(
+        self, scale: int, previous: int, demodulate: Demodulate, motion_mask: MotionMask, recur: MakeRecur
+    ) -> None:
+        super().__init__()
+        if previous < 1:
+            raise UserError(
+                f"model.previous must be 1 or more previous frames, got {previous}; the paper has 2."
+            )
+        self.scale, self.previous = check_scale(scale), previous
+        self.demodulate, self.motion_mask = demodulate, motion_mask
+        self.first = nn.Conv2d(INPUTS, FEATURES, 3, padding=1)
+        self.gated = GatedConvolution(INPUTS + motion_mask.channels, FEATURES)
+        self.recur = recur(channels=(1 + previous) * FEATURES, width=WIDTH, scale=self.scale)
+        self.reconstruct = Reconstruction(self.scale)
+        self.requires = demodulate.requires | motion_mask.requires | {"depth", "normal"}
+        self.compares = demodulate.compares
+
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        return self.demodulate.reference(clip)
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        return self.demodulate.present(output, frame)
+
+    def warped(self, inputs: tuple[Tensor, ...], vectors: tuple[Tensor, ...]) -> Tensor:
+        """Features of the warped previous frames, ``(B, 32 * previous, h, w)`` (section 3.2); the weights are shared."""
+        to_there = torch.cat(vectors)
+        features = self.gated(self.motion_mask(warp(torch.cat(inputs), to_there[:, :2]), to_there))
+        return torch.cat(features.chunk(self.previous), dim=1)
+
+    def forward(self, frame: Frame, state: History | None) -> tuple[Tensor, History]:
+        assert frame.depth is not None
+        assert frame.normal is not None
+        assert frame.motion is not None
+        current = torch.cat((self.demodulate(frame), frame.depth, frame.normal), dim=1)
+        vectors = self.motion_mask.vectors(frame)
+        if state is None:
+            # Copies: an exporter takes tensors that are one at tracing time for one ever after.
+            vectors = torch.zeros_like(vectors)
+            inputs = tuple(current.clone() for _ in range(self.previous))
+            state = History(inputs, tuple(vectors.clone() for _ in inputs[1:]), ())
+        to_each = chain(vectors, state.vectors)
+        shallow = torch.cat((self.first(current), self.warped(state.inputs, to_each)), dim=1)
+        features, memory = self.recur(shallow, vectors[:, :2], state.carried)
+        # A sum of half-precision products is no place to keep light in.
+        output = self.reconstruct(features).to(current.dtype)
+        return output, History((current, *state.inputs[:-1]), to_each[:-1], self.recur.carry(output, memory))

@@ -1,0 +1,76 @@
+"""Slot ``demodulate``: what a network super-resolves, and how that becomes an image (Li et al. 2024, NSRD, section 3.1)."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import final
+
+from torch import Tensor, nn
+
+from supersampling.frames import Frame
+from supersampling.ops.demodulate import demodulate, remodulate
+from supersampling.ops.display import displayed
+
+
+class Demodulate(nn.Module, ABC):
+    """``forward(frame) -> (B, 3, h, w)``, the network's colour input; its output is in the same domain.
+
+    ``requires`` names what `forward` and `present` read, ``compares`` what `reference` does, as in
+    `supersampling.models.base.Upsampler`.
+    """
+
+    requires: frozenset[str]
+    compares: frozenset[str]
+
+    @abstractmethod
+    def forward(self, frame: Frame) -> Tensor: ...
+
+    @abstractmethod
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        """What outputs are compared with, ``(B, T, 3, H, W)``."""
+
+    @abstractmethod
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        """The display-referred image ``(B, 3, H, W)`` in [0, 1] of an output ``(B, 3, H, W)``."""
+
+
+@final
+class Demodulated(Demodulate):
+    """The lighting component, 0 or more and unbounded, remodulated with the high-resolution material (equations 2 to 4).
+
+    Emission and sky pass beside the network, at high resolution. Negative lighting, which a network can give, counts as none.
+    """
+
+    requires = frozenset({"radiance", "material", "emission", "high_material", "high_emission"})
+    compares = frozenset({"target_radiance", "high_material", "high_emission"})
+
+    def forward(self, frame: Frame) -> Tensor:
+        assert frame.radiance is not None
+        assert frame.material is not None
+        assert frame.emission is not None
+        return demodulate(frame.radiance, frame.material, frame.emission)
+
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        return demodulate(clip["target_radiance"], clip["high_material"], clip["high_emission"])
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        assert frame.high_material is not None
+        assert frame.high_emission is not None
+        return displayed(remodulate(output.clamp(min=0.0), frame.high_material, frame.high_emission))
+
+
+@final
+class Radiance(Demodulate):
+    """The radiance itself, linear and unbounded, material and all: demodulation off (figure 7)."""
+
+    requires = frozenset({"radiance"})
+    compares = frozenset({"target_radiance"})
+
+    def forward(self, frame: Frame) -> Tensor:
+        assert frame.radiance is not None
+        return frame.radiance
+
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        return clip["target_radiance"]
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        return displayed(output)

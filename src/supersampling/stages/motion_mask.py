@@ -1,0 +1,75 @@
+"""Slot ``motion_mask``: what tells the network which warped pixels were hidden (Li et al. 2024, NSRD, 3.2 and figure 8)."""
+
+from abc import ABC, abstractmethod
+from typing import final
+
+import torch
+from torch import Tensor, nn
+
+from supersampling.errors import UserError
+from supersampling.frames import Frame
+from supersampling.ops.motion_mask import THRESHOLD, motion_mask
+
+
+class MotionMask(nn.Module, ABC):
+    """``forward(warped (B, C, h, w), vectors (B, V, h, w)) -> (B, C + channels, h, w)``; ``requires`` names what it reads.
+
+    ``vectors`` are those that lead from the current frame to the one that was warped: motion first, then what else the stage
+    needs. Over several frames they add up along the motion (`supersampling.ops.chain.chain`).
+    """
+
+    channels: int
+    requires: frozenset[str]
+
+    @abstractmethod
+    def vectors(self, frame: Frame) -> Tensor:
+        """``(B, V, h, w)`` to the frame before, in units of the image: motion in the first two channels."""
+
+    @abstractmethod
+    def forward(self, warped: Tensor, vectors: Tensor) -> Tensor: ...
+
+
+@final
+class DualMotionMask(MotionMask):
+    """A channel that is 1 where dual and traditional motion vectors differ by ``threshold`` low-resolution pixels or more.
+
+    The paper does not say what the mask of the frame before last is: here that of the differences summed along the motion.
+    """
+
+    channels = 1
+    requires = frozenset({"motion", "motion_dual"})
+
+    def __init__(self, threshold: float = THRESHOLD) -> None:
+        super().__init__()
+        if not threshold > 0.0:
+            raise UserError(
+                f"motion_mask.threshold must be above 0 low-resolution pixels, got {threshold}; the paper has 0.1."
+            )
+        self.threshold = threshold
+
+    def vectors(self, frame: Frame) -> Tensor:
+        assert frame.motion is not None
+        assert frame.motion_dual is not None
+        return torch.cat((frame.motion, frame.motion_dual - frame.motion), dim=1)
+
+    def forward(self, warped: Tensor, vectors: Tensor) -> Tensor:
+        _, _, h, w = vectors.shape
+        return torch.cat((warped, motion_mask(vectors[:, 2:], (h, w), self.threshold)), dim=1)
+
+
+@final
+class NoMotionMask(MotionMask):
+    """No mask: the gated convolution reads the warped buffers alone, and has to guess (figure 8).
+
+    The paper does not say how that row was wired; this is the smallest change that removes the mask.
+    """
+
+    channels = 0
+    requires = frozenset({"motion"})
+
+    def vectors(self, frame: Frame) -> Tensor:
+        assert frame.motion is not None
+        return frame.motion
+
+    def forward(self, warped: Tensor, vectors: Tensor) -> Tensor:
+        return warped

@@ -1,0 +1,112 @@
+"""Slot ``recur``: what a frame's network takes from the one before it (Li et al. 2024, NSRD, section 3.3 and table 6)."""
+
+from abc import ABC, abstractmethod
+from typing import Protocol, final
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from supersampling.ops.resample import upsample_motion
+from supersampling.ops.warp import warp
+
+FEATURES = 32  # of the previous output (supplement, 4.2)
+
+
+class Recur(nn.Module, ABC):
+    """``forward(shallow (B, C, h, w), motion (B, 2, h, w), carried) -> (features (B, width, h, w), memory)``.
+
+    ``carried`` is what `carry` made of the previous frame's ``memory`` and output, ``()`` on a clip's first frame. Both are
+    tuples of tensors, batch first.
+    """
+
+    @abstractmethod
+    def forward(
+        self, shallow: Tensor, motion: Tensor, carried: tuple[Tensor, ...]
+    ) -> tuple[Tensor, tuple[Tensor, ...]]: ...
+
+    @abstractmethod
+    def carry(self, output: Tensor, memory: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
+        """What the next frame is handed: of the output ``(B, 3, s h, s w)`` and the memory of the current one."""
+
+
+class MakeRecur(Protocol):
+    """A `Recur` class, or a partial of one: the model knows the widths."""
+
+    def __call__(self, *, channels: int, width: int, scale: int) -> Recur: ...
+
+
+class ConvLSTM(nn.Module):
+    """One step of Shi et al. 2015 (equation 3, without its peepholes, as the published parameter count has it).
+
+    ``forward(x (B, channels, h, w), hidden, cell (B, width, h, w)) -> (hidden, cell)``. The cell keeps its own type: under
+    autocast a sum over a whole clip stays in float32.
+    """
+
+    def __init__(self, channels: int, width: int) -> None:
+        super().__init__()
+        self.gates = nn.Conv2d(channels + width, 4 * width, 3, padding=1)
+
+    def forward(self, x: Tensor, hidden: Tensor, cell: Tensor) -> tuple[Tensor, Tensor]:
+        gates = self.gates(torch.cat((x, hidden.to(x.dtype)), dim=1)).to(cell.dtype)
+        write, keep, show, value = gates.chunk(4, dim=1)
+        cell = keep.sigmoid() * cell + write.sigmoid() * value.tanh()
+        return show.sigmoid() * cell.tanh(), cell
+
+
+@final
+class Recurrent(Recur):
+    """The previous output and a ConvLSTM's state.
+
+    The output is warped by bilinearly upsampled motion, borders repeated, and taken apart into ``3 s**2`` low-resolution
+    channels. A clip's first frame has zeros for it and for the state.
+
+    Args:
+        channels: shallow features ``C``.
+        width: of the ConvLSTM's state.
+        scale: ``s``.
+    """
+
+    def __init__(self, *, channels: int, width: int, scale: int) -> None:
+        super().__init__()
+        self.width, self.scale = width, scale
+        self.first = nn.Conv2d(3 * scale**2, FEATURES, 3, padding=1)
+        self.lstm = ConvLSTM(channels + FEATURES, width)
+
+    def forward(
+        self, shallow: Tensor, motion: Tensor, carried: tuple[Tensor, ...]
+    ) -> tuple[Tensor, tuple[Tensor, ...]]:
+        b, _, h, w = motion.shape
+        size = (h * self.scale, w * self.scale)
+        if carried:
+            output, hidden, cell = carried
+            previous = warp(output, upsample_motion(motion, size))
+        else:
+            previous = motion.new_zeros((b, 3, *size))
+            hidden = cell = motion.new_zeros((b, self.width, h, w))
+        before = self.first(F.pixel_unshuffle(previous, self.scale))
+        hidden, cell = self.lstm(torch.cat((shallow, before), dim=1), hidden, cell)
+        return hidden, (hidden, cell)
+
+    def carry(self, output: Tensor, memory: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
+        return output, *memory
+
+
+@final
+class NotRecurrent(Recur):
+    """Nothing is taken over: a convolution and ReLU stand where the ConvLSTM was.
+
+    The paper does not say how row A of its table 6 was wired. Arguments as in `Recurrent`; ``scale`` is not read.
+    """
+
+    def __init__(self, *, channels: int, width: int, scale: int) -> None:
+        super().__init__()
+        self.first = nn.Conv2d(channels, width, 3, padding=1)
+
+    def forward(
+        self, shallow: Tensor, motion: Tensor, carried: tuple[Tensor, ...]
+    ) -> tuple[Tensor, tuple[Tensor, ...]]:
+        return self.first(shallow).relu(), ()
+
+    def carry(self, output: Tensor, memory: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
+        return ()

@@ -1,0 +1,82 @@
+import math
+
+import numpy as np
+import pytest
+import torch
+
+from supersampling.errors import UserError
+from supersampling.losses import MaskedTemporal
+
+
+def bilinear(image, x, y):
+    """``image (C, H, W)`` at a position in pixels whose centres are at + 0.5; the border is repeated."""
+    _, height, width = image.shape
+    x, y = min(max(x - 0.5, 0.0), width - 1.0), min(max(y - 0.5, 0.0), height - 1.0)
+    j, i = math.floor(x), math.floor(y)
+    right, below = min(j + 1, width - 1), min(i + 1, height - 1)
+    fx, fy = x - j, y - i
+    top = (1 - fx) * image[:, i, j] + fx * image[:, i, right]
+    return (1 - fy) * top + fy * ((1 - fx) * image[:, below, j] + fx * image[:, below, right])
+
+
+def by_loops(outputs, motion, dual, scale, threshold, beta):
+    """Equations 6 and 7 and the mask of section 3.2, pixel by pixel."""
+    values = []
+    for clip, vectors, duals in zip(outputs, motion, dual):
+        for t in range(1, len(clip)):
+            _, height, width = clip[t].shape
+            h, w = height // scale, width // scale
+            for i in range(height):
+                for j in range(width):
+                    at = (j + 0.5) / scale, (i + 0.5) / scale
+                    here, other = bilinear(vectors[t], *at), bilinear(duals[t], *at)
+                    hidden = (
+                        abs(other[0] - here[0]) * w >= threshold or abs(other[1] - here[1]) * h >= threshold
+                    )
+                    before = bilinear(clip[t - 1], j + 0.5 + here[0] * width, i + 0.5 + here[1] * height)
+                    for a, b in zip(before, clip[t][:, i, j]):
+                        d = 0.0 if hidden else a - b
+                        values.append(d * d / (2 * beta) if abs(d) < beta else abs(d) - beta / 2)
+    return np.mean(values)
+
+
+def clip(b=2, frames=3, h=3, w=4, scale=2):
+    rng = np.random.default_rng(0)
+    outputs = 3.0 * rng.normal(size=(b, frames, 3, h * scale, w * scale))
+    motion = 0.2 * rng.normal(size=(b, frames, 2, h, w))
+    dual = motion + np.where(
+        rng.random((b, frames, 1, h, w)) < 0.5, 0.04 * rng.normal(size=motion.shape), 0.0
+    )
+    return outputs, motion, dual
+
+
+@pytest.mark.parametrize(("threshold", "beta"), [(0.1, 1.0), (0.02, 0.3)])
+def test_it_is_equation_7(threshold, beta):
+    outputs, motion, dual = clip()
+    frames = {"motion": torch.from_numpy(motion), "motion_dual": torch.from_numpy(dual)}
+    loss = MaskedTemporal(threshold, beta)
+    value = loss(torch.from_numpy(outputs), torch.zeros(outputs.shape), frames).item()
+    expected = by_loops(outputs, motion, dual, 2, threshold, beta)
+    assert value == pytest.approx(expected, rel=1e-9)
+    assert value < by_loops(outputs, motion, motion, 2, threshold, beta)  # some pixels are hidden
+    assert (loss.requires, loss.previous) == ({"motion", "motion_dual"}, 1)
+
+
+def test_what_is_hidden_and_what_stands_still_cost_nothing():
+    outputs, motion, _ = (torch.from_numpy(x) for x in clip())
+    hidden = {"motion": motion, "motion_dual": motion + 1.0}
+    assert MaskedTemporal(0.1, 1.0)(outputs, outputs, hidden).item() == 0.0
+    still = {"motion": torch.zeros_like(motion), "motion_dual": torch.zeros_like(motion)}
+    same = outputs[:, :1].expand_as(outputs).clone().requires_grad_()
+    loss = MaskedTemporal(0.1, 1.0)(same, outputs, still)
+    loss.backward()
+    assert loss.item() == 0.0
+    assert same.grad.isfinite().all()
+
+
+@pytest.mark.parametrize("threshold", [0.0, -0.1, float("nan")])
+def test_mistakes(threshold):
+    with pytest.raises(UserError, match="threshold"):
+        MaskedTemporal(threshold, 1.0)
+    with pytest.raises(UserError, match="beta"):
+        MaskedTemporal(0.1, 0.0)

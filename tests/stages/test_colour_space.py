@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+import torch
+from PIL import Image
+
+from supersampling.stages.colour_space import RGB, YCbCr
+
+
+def test_ycbcr_is_that_of_jpeg():
+    pixels = np.random.default_rng(0).integers(0, 256, (16, 16, 3), dtype=np.uint8)
+    expected = np.asarray(Image.fromarray(pixels).convert("YCbCr"), dtype=np.float32)
+    ours = YCbCr().of_rgb(torch.from_numpy(pixels).permute(2, 0, 1) / 255.0)
+    # Its chroma is centred at 128, ours at 0.5 of 255; it rounds.
+    offset = torch.tensor([0.0, 0.5, 0.5])[:, None, None]
+    assert (ours * 255.0 + offset - torch.from_numpy(expected).permute(2, 0, 1)).abs().max() < 1.01
+
+
+@pytest.mark.parametrize(
+    ("rgb", "ycbcr"),
+    [
+        ((0.0, 0.0, 0.0), (0.0, 0.5, 0.5)),
+        ((1.0, 1.0, 1.0), (1.0, 0.5, 0.5)),
+        ((1.0, 0.0, 0.0), (0.299, 0.5 - 0.299 / 1.772, 1.0)),
+        ((0.0, 0.0, 1.0), (0.114, 1.0, 0.5 - 0.114 / 1.402)),
+    ],
+)
+def test_corners_of_the_cube(rgb, ycbcr):
+    out = YCbCr().of_rgb(torch.tensor(rgb).view(1, 3, 1, 1))
+    torch.testing.assert_close(out.flatten(), torch.tensor(ycbcr), rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("space", [RGB(), YCbCr()])
+def test_there_and_back_for_frames_and_clips(space):
+    for shape in ((2, 3, 4, 5), (2, 6, 3, 4, 5)):
+        rgb = torch.rand(shape)
+        color = space.of_rgb(rgb)
+        assert color.min() >= 0.0
+        assert color.max() <= 1.0
+        torch.testing.assert_close(space.to_rgb(color), rgb, rtol=0, atol=1e-6)
+
+
+def test_gradients():
+    x = torch.rand(1, 3, 2, 2, dtype=torch.float64, requires_grad=True)
+    assert torch.autograd.gradcheck(YCbCr().of_rgb, (x,))
+    assert torch.autograd.gradcheck(YCbCr().to_rgb, (x,))
