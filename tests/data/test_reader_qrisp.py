@@ -24,20 +24,6 @@ LOW = Path("TestSet/World/540p")
 MOTION = LOW / "MotionVectorsMipBiasMinus1Jittered"
 
 
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """A source file and its capture, not to be changed."""
-    folder = tmp_path_factory.mktemp("qrisp")
-    source = make_source(folder / "source")
-    return source, export("qrisp", source, folder / "capture")
-
-
-@pytest.fixture
-def capture(written, tmp_path):
-    """A copy of the capture to be broken."""
-    return Path(shutil.copytree(written[1], tmp_path / "capture"))
-
-
 def test_round_trip_is_exact_but_for_half_motion(written, tmp_path, capsys):
     source, capture = written
     (path,) = import_capture("qrisp", capture, tmp_path, scale=2)

@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
-from capture_files import make_source
 from PIL import Image
 
-from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.images import write_exr
 from supersampling.data.readers.importing import import_capture
 from supersampling.data.readers.qrisp import baseline_images
@@ -19,20 +17,6 @@ from supersampling.errors import UserError
 
 LOW = Path("TestSet/World/540p")
 MOTION = LOW / "MotionVectorsMipBiasMinus1Jittered"
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """A source file and its capture, not to be changed."""
-    folder = tmp_path_factory.mktemp("qrisp")
-    source = make_source(folder / "source")
-    return source, export("qrisp", source, folder / "capture")
-
-
-@pytest.fixture
-def capture(written, tmp_path):
-    """A copy of the capture to be broken."""
-    return Path(shutil.copytree(written[1], tmp_path / "capture"))
 
 
 def truncate(path):

@@ -1,7 +1,6 @@
 """QRISP captures whose vectors or depth mean something else than documented."""
 
 import json
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -18,20 +17,6 @@ from supersampling.errors import UserError
 
 LOW = Path("TestSet/World/540p")
 MOTION = LOW / "MotionVectorsMipBiasMinus1Jittered"
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """A source file and its capture, not to be changed."""
-    folder = tmp_path_factory.mktemp("qrisp")
-    source = make_source(folder / "source")
-    return source, export("qrisp", source, folder / "capture")
-
-
-@pytest.fixture
-def capture(written, tmp_path):
-    """A copy of the capture to be broken."""
-    return Path(shutil.copytree(written[1], tmp_path / "capture"))
 
 
 def rewrite_motion(capture, change):

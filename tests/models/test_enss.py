@@ -1,61 +1,22 @@
 """ENSS against a plain transcription of Mercier et al. 2023, section 4, and its counts by another way of counting."""
 
 import math
-from functools import partial
 from pathlib import Path
 
 import pytest
 import torch
 import torch.nn.functional as F
+from enss_cases import clip, enss, run
 from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 
-from supersampling.frames import Frame
-from supersampling.models.enss import ENSS
-from supersampling.stages.confine import Clamp, StraightThrough
-from supersampling.stages.flow import TVL1, MotionVectors, NoFlow
+from supersampling.stages.confine import Clamp
+from supersampling.stages.flow import TVL1, NoFlow
 from supersampling.stages.history import Blended, NoHistory, Unblended
-from supersampling.stages.kernel_prediction import FirstAndLast, NoPrediction
-from supersampling.stages.motion_grid import FrontmostOfBlock
-from supersampling.stages.reproject import Bilinear
+from supersampling.stages.kernel_prediction import NoPrediction
 
 CONF = Path(__file__).parents[2] / "conf"
 SIZES = {"s": (16, 1), "m": (32, 3), "l": (64, 5)}  # f, m of section 5
-SMALL = {"width": 24, "layers": 4}
-
-
-def enss(scale=2, features=8, depth=1, **stages):
-    torch.manual_seed(0)
-    made = {
-        "flow": MotionVectors(),
-        "motion_grid": FrontmostOfBlock(8),
-        "reproject": Bilinear(),
-        "history": Blended(),
-        "confine": StraightThrough(),
-        "kernel_prediction": partial(FirstAndLast, **SMALL),
-    }
-    return ENSS(scale, features, depth, **(made | stages))
-
-
-def clip(frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torch.float32):
-    g = torch.Generator().manual_seed(seed)
-    return {
-        "color": torch.rand(b, frames, 3, h, w, generator=g, dtype=dtype),
-        "depth": torch.rand(b, frames, 1, h, w, generator=g, dtype=dtype),
-        "motion": torch.randn(b, frames, 2, h, w, generator=g, dtype=dtype) * motion,
-        "jitter": torch.rand(b, frames, 2, generator=g, dtype=dtype) - 0.5,
-    }
-
-
-def run(model, buffers):
-    given = {name: buffer for name, buffer in buffers.items() if name in model.requires}
-    outputs, state = [], None
-    for t in range(given["color"].shape[1]):
-        output, state = model(Frame.of(given, t), state)
-        outputs.append(output)
-    return torch.stack(outputs, dim=1), state
-
-
 # The paper, plainly
 
 

@@ -5,50 +5,14 @@ from functools import partial
 import pytest
 import torch
 import torch.nn.functional as F
+from enss_cases import SMALL, clip, enss, run
 
 from supersampling.errors import UserError
 from supersampling.frames import Frame
-from supersampling.models.enss import ENSS
-from supersampling.stages.confine import StraightThrough
-from supersampling.stages.flow import JitteredMotionVectors, MotionVectors
-from supersampling.stages.history import Blended, Unblended
+from supersampling.stages.flow import JitteredMotionVectors
+from supersampling.stages.history import Unblended
 from supersampling.stages.kernel_prediction import FirstAndLast, FirstOnly, LastOnly
 from supersampling.stages.motion_grid import BilinearMotion, FrontmostOfBlock
-from supersampling.stages.reproject import Bilinear
-
-SMALL = {"width": 24, "layers": 4}
-
-
-def enss(scale=2, features=8, depth=1, **stages):
-    torch.manual_seed(0)
-    made = {
-        "flow": MotionVectors(),
-        "motion_grid": FrontmostOfBlock(8),
-        "reproject": Bilinear(),
-        "history": Blended(),
-        "confine": StraightThrough(),
-        "kernel_prediction": partial(FirstAndLast, **SMALL),
-    }
-    return ENSS(scale, features, depth, **(made | stages))
-
-
-def clip(frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torch.float32):
-    g = torch.Generator().manual_seed(seed)
-    return {
-        "color": torch.rand(b, frames, 3, h, w, generator=g, dtype=dtype),
-        "depth": torch.rand(b, frames, 1, h, w, generator=g, dtype=dtype),
-        "motion": torch.randn(b, frames, 2, h, w, generator=g, dtype=dtype) * motion,
-        "jitter": torch.rand(b, frames, 2, generator=g, dtype=dtype) - 0.5,
-    }
-
-
-def run(model, buffers):
-    given = {name: buffer for name, buffer in buffers.items() if name in model.requires}
-    outputs, state = [], None
-    for t in range(given["color"].shape[1]):
-        output, state = model(Frame.of(given, t), state)
-        outputs.append(output)
-    return torch.stack(outputs, dim=1), state
 
 
 @pytest.mark.parametrize("grid", [FrontmostOfBlock(8), BilinearMotion()])

@@ -65,7 +65,10 @@ def _baselines(cfg: DictConfig) -> list[tuple[DictConfig, dict[str, str]]]:
 
 def required_buffers(cfg: DictConfig) -> frozenset[str]:
     """All that a configuration reads: what its model and metrics read and, if it is trained, its loss and choice of windows."""
-    model: Upsampler = instantiate(cfg.model)
+    return _required(cfg, instantiate(cfg.model))
+
+
+def _required(cfg: DictConfig, model: Upsampler) -> frozenset[str]:
     names = evaluation_requires(model, instantiate(cfg.metrics))
     if any(p.requires_grad for p in model.parameters()):
         names |= model.compares | instantiate(cfg.loss).requires | instantiate(cfg.pick).requires
@@ -86,7 +89,7 @@ class Job:
         """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint."""
         model: Upsampler = instantiate(self.cfg.model)
         learned = any(p.requires_grad for p in model.parameters())
-        names = required_buffers(self.cfg)
+        names = _required(self.cfg, model)
         key = identity(self.cfg, {s: fingerprint(f, names) for s, f in self.files.items()}, learned)
         folder = Path(self.cfg.paths.checkpoints) / key
         folder.mkdir(parents=True, exist_ok=True)

@@ -154,6 +154,18 @@ def obstacles(b: Builder, m: Materials) -> None:
         board = quad((-0.3, 0.3, 0), (0.6, 0, 0), (0, -0.6, 0)).shift(0, 0.98, 0.72)
         b.put(board.turn_y(90 * k), m.boards[k])
         b.put(box((0.66, 0.66, 0.08), (0, 0.98, 0.67)).turn_y(90 * k), m.oak)
+    _braziers(b, m)
+    for k, (radius, degrees) in enumerate(
+        ((13.2, 33), (13.1, 38), (13.2, 124), (13.0, 213), (13.2, 218), (13.1, 302))
+    ):
+        b.put(crate(0.7, 2 * k).turn_y(10 * k).shift(radius, 0.35, 0).turn_y(degrees), m.crates)
+        if k % 2:
+            b.put(crate(0.5, 3 * k).turn_y(25).shift(radius, 0.95, 0).turn_y(degrees), m.crates)
+        x, z = 13.2 * np.cos(np.radians(-degrees - 5)), 13.2 * np.sin(np.radians(-degrees - 5))
+        b.put(barrel((x, 0, z)), m.oak)
+
+
+def _braziers(b: Builder, m: Materials) -> None:
     for x, y, z in BRAZIERS:
         bowl = lathe([(0.42, 0.0), (0.4, -0.02), (0.3, -0.2), (0.08, -0.3), (0.06, -1.0), (0.09, -1.05)], 20)
         b.put(bowl.shift(x, y - 0.35, z), m.iron)
@@ -168,11 +180,3 @@ def obstacles(b: Builder, m: Materials) -> None:
                 ),
                 m.iron,
             )
-    for k, (radius, degrees) in enumerate(
-        ((13.2, 33), (13.1, 38), (13.2, 124), (13.0, 213), (13.2, 218), (13.1, 302))
-    ):
-        b.put(crate(0.7, 2 * k).turn_y(10 * k).shift(radius, 0.35, 0).turn_y(degrees), m.crates)
-        if k % 2:
-            b.put(crate(0.5, 3 * k).turn_y(25).shift(radius, 0.95, 0).turn_y(degrees), m.crates)
-        x, z = 13.2 * np.cos(np.radians(-degrees - 5)), 13.2 * np.sin(np.radians(-degrees - 5))
-        b.put(barrel((x, 0, z)), m.oak)
