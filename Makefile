@@ -45,6 +45,9 @@ check: $(INSTALLED)
 
 bench: setup
 	$(BIN)/python benchmarks/loop.py
+	$(BIN)/python benchmarks/step.py
+	$(BIN)/python benchmarks/dlctus.py
+	$(BIN)/python benchmarks/memory.py
 	$(BIN)/python benchmarks/gradient.py
 	$(BIN)/python benchmarks/render.py
 

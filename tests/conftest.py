@@ -114,3 +114,24 @@ def vgg(monkeypatch: pytest.MonkeyPatch) -> None:
     pairs = tuple((torch.randn(1, 1 if k else 3, 3, 3), torch.zeros(1)) for k in range(13))
     small = perceptual.Pretrained(pairs, (0.5,) * 3, (0.25,) * 3)
     monkeypatch.setattr(perceptual, "pretrained", lambda weights: small)
+
+
+@pytest.fixture(scope="session")
+def raft_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder for ``TORCH_HOME`` that holds random weights under the names of RAFT's pretrained ones."""
+    from torchvision.models import get_model, get_model_weights
+
+    home = tmp_path_factory.mktemp("torch")
+    folder = home / "hub" / "checkpoints"
+    folder.mkdir(parents=True)
+    torch.manual_seed(0)
+    for network, weights in (("raft_large", "C_T_SKHT_V2"), ("raft_small", "C_T_V2")):
+        name = get_model_weights(network)[weights].url.rsplit("/", 1)[-1]
+        torch.save(get_model(network, weights=None).state_dict(), folder / name)
+    return home
+
+
+@pytest.fixture
+def raft(raft_home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Random weights where RAFT's pretrained ones are looked for."""
+    monkeypatch.setenv("TORCH_HOME", str(raft_home))

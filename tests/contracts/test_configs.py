@@ -23,6 +23,7 @@ def composed(*overrides: str):
 
 CASES = [
     *(f"experiment={n}" for n in stems("conf/experiment")),
+    *(f"experiment=laptop/{n}" for n in stems("conf/experiment/laptop")),
     *(f"budget={n}" for n in stems("conf/budget")),
     *(f"data={n}" for n in stems("conf/data")),
     *(f"debug={n}" for n in stems("conf/debug")),

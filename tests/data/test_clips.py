@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 import torch
@@ -23,6 +25,19 @@ def test_items_have_the_cut_and_depend_on_their_index_alone(make_file, tmp_path)
     again = WindowDataset([path], Cut(crop=32, frames=6, targets=3), ALL, UNIFORM, PLAIN, seed=1)[17]
     for name, value in item.items():
         assert torch.equal(value, again[name])
+
+
+def test_a_name_says_where_an_item_is_from(make_file, tmp_path):
+    path = make_file(tmp_path, clips=3)
+    data = WindowDataset([path], Cut(crop=32, frames=2, targets=2), ALL, UNIFORM, PLAIN, seed=1)
+    whole = WholeClips([path], ALL)
+    for index in range(6):
+        pattern = r"(\S+) clip (\d), frames (\d+) to (\d+), at \((\d+), (\d+)\)"
+        scene, *numbers = re.fullmatch(pattern, data.name(index)).groups()
+        clip, first, last, x, y = map(int, numbers)
+        assert scene == whole.name(clip).scene
+        color = whole[clip]["color"][first : last + 1, :, y : y + 8, x : x + 8]
+        assert torch.equal(data[index]["color"], color)
 
 
 def test_clips_in_memory_and_clips_on_disk_are_the_same(make_file, tmp_path):

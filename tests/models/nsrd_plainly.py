@@ -20,22 +20,24 @@ def sample(image, x, y):
     return (1 - b) * top + b * ((1 - a) * image[:, below, j] + a * image[:, below, right])
 
 
-def warp(image, vectors):
+def warp(image, vectors, shift=(0.0, 0.0)):
+    """``shift``: of the samples from this image's pixel centres to the other's, in units of the image."""
     _, h, w = vectors.shape
     out = torch.empty(image.shape[0], h, w, dtype=image.dtype)
     for i in range(h):
         for j in range(w):
             dx, dy = vectors[:2, i, j].tolist()
-            out[:, i, j] = sample(image, (j + 0.5) / w + dx, (i + 0.5) / h + dy)
+            out[:, i, j] = sample(image, (j + 0.5) / w + dx + shift[0], (i + 0.5) / h + dy + shift[1])
     return out
 
 
-def enlarge(vectors, s):
+def enlarge(vectors, s, offset=(0.0, 0.0)):
+    """``offset``: of the samples from the pixel centres, in units of the image."""
     c, h, w = vectors.shape
     out = torch.empty(c, h * s, w * s, dtype=vectors.dtype)
     for i in range(h * s):
         for j in range(w * s):
-            out[:, i, j] = sample(vectors, (j + 0.5) / (w * s), (i + 0.5) / (h * s))
+            out[:, i, j] = sample(vectors, (j + 0.5) / (w * s) - offset[0], (i + 0.5) / (h * s) - offset[1])
     return out
 
 
@@ -99,30 +101,51 @@ def lighting(frame):
     return (frame["radiance"] - frame["emission"]) / frame["material"]
 
 
-def outputs(model, frames):
-    """Of a clip, a list of dictionaries of buffers ``(C, h, w)``; the model is the published one with 2 previous frames."""
+def offset(frame, located):
+    """Of a frame's samples from the pixel centres, in units of the image."""
+    _, h, w = frame["depth"].shape
+    return (frame["jitter"] / torch.tensor([w, h])).tolist() if located else (0.0, 0.0)
+
+
+def planes(frame):
+    _, h, w = frame["depth"].shape
+    return frame["jitter"][:, None, None].expand(2, h, w)
+
+
+def apart(here, there):
+    return here[0] - there[0], here[1] - there[1]
+
+
+def outputs(model, frames, located=False, based=False):
+    """Of a clip, a list of dictionaries of buffers ``(C, h, w)``; the model is the published one with 2 previous frames.
+
+    ``located``: samples are known to lie at pixel centre + jitter; every point is followed at its place in the scene's image.
+    ``based``: the network adds to the samples' bilinear interpolation.
+    """
     s, results, inputs, hidden, cell = model.scale, [], [], None, None
+    offsets = [offset(frame, located) for frame in frames]
     for t, frame in enumerate(frames):
         _, h, w = frame["depth"].shape
-        inputs.append(torch.cat((lighting(frame), frame["depth"], frame["normal"])))
+        known = (planes(frame),) if located else ()
+        inputs.append(torch.cat((lighting(frame), frame["depth"], frame["normal"], *known)))
         shallow = [conv(inputs[t], model.first)]
         # Every pixel is followed back through the frames; the first frame stands for those before it, standing still.
-        back, apart = torch.zeros(2, 2, h, w).double()
+        back, hidden_by = torch.zeros(2, 2, h, w).double()
         for k in (1, 2):
-            source, i = inputs[max(t - k, 0)], t - k + 1
+            source, i = max(t - k, 0), t - k + 1
             if i > 0:
                 there = torch.cat((frames[i]["motion"], frames[i]["motion_dual"] - frames[i]["motion"]))
-                step = there if k == 1 else warp(there, back)
-                back, apart = back + step[:2], apart + step[2:]
-            mask = ((apart[:1].abs() * w >= 0.1) | (apart[1:].abs() * h >= 0.1)).double()
-            masked = torch.cat((warp(source, back), mask))
+                step = there if k == 1 else warp(there, back, apart(offsets[t], offsets[i]))
+                back, hidden_by = back + step[:2], hidden_by + step[2:]
+            mask = ((hidden_by[:1].abs() * w >= 0.1) | (hidden_by[1:].abs() * h >= 0.1)).double()
+            masked = torch.cat((warp(inputs[source], back, apart(offsets[t], offsets[source])), mask))
             weight, bias = model.gated.both.weight, model.gated.both.bias
             features = F.conv2d(masked[None], weight[:32], bias[:32], padding=1)[0]
             gate = F.conv2d(masked[None], weight[32:], bias[32:], padding=1)[0]
             shallow.append(F.leaky_relu(features, 0.2) * torch.sigmoid(gate))
-        before = (
-            warp(results[-1], enlarge(frame["motion"], s)) if t else torch.zeros(3, h * s, w * s).double()
-        )
+        before = torch.zeros(3, h * s, w * s).double()
+        if t:
+            before = warp(results[-1], enlarge(frame["motion"], s, offsets[t]))
         shallow.append(conv(unshuffle(before, s), model.recur.first))
         if t == 0:
             hidden = cell = torch.zeros(64, h, w).double()
@@ -131,4 +154,6 @@ def outputs(model, frames):
         hidden = torch.sigmoid(show) * torch.tanh(cell)
         top = model.reconstruct
         results.append(shuffle(conv(conv(u_shape(hidden, top.body), top.narrow), top.last), s))
+        if based:
+            results[t] = results[t] + enlarge(lighting(frame), s, offset(frame, True))
     return torch.stack(results)

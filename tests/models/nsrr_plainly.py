@@ -5,15 +5,18 @@ import torch.nn.functional as F
 
 from supersampling.frames import Frame
 from supersampling.models.nsrr import NSRR
+from supersampling.stages.base import NoBase
 from supersampling.stages.colour_space import YCbCr
+from supersampling.stages.demodulate import DisplayColour
 from supersampling.stages.extract import LearnedFeatures
+from supersampling.stages.guides import NoGuides
 from supersampling.stages.reweight import LearnedWeights
 from supersampling.stages.upsample import ZeroUpsampling
 from supersampling.stages.warp_at import TargetResolution
 
 
 def nsrr(scale=4, previous=4, width=64, extract=LearnedFeatures, upsample=None, warp_at=None, reweight=LearnedWeights,
-         colour_space=None):  # fmt: skip
+         colour_space=None, demodulate=None, guides=None, base=None):  # fmt: skip
     torch.manual_seed(0)
     return NSRR(
         scale,
@@ -24,6 +27,9 @@ def nsrr(scale=4, previous=4, width=64, extract=LearnedFeatures, upsample=None, 
         warp_at or TargetResolution(),
         reweight,
         colour_space or YCbCr(),
+        demodulate or DisplayColour(),
+        guides or NoGuides(),
+        base or NoBase(),
     )
 
 
@@ -43,7 +49,7 @@ def clip(frames=3, b=2, h=5, w=6, motion=0.1, jitter=1.0, seed=0, dtype=torch.fl
 
 def run(model, buffers):
     outputs, state = [], None
-    for t in range(buffers["color"].shape[1]):
+    for t in range(buffers["depth"].shape[1]):
         output, state = model(Frame.of(buffers, t), state)
         outputs.append(output)
     return torch.stack(outputs, dim=1), state
@@ -68,8 +74,8 @@ def back(image, motion):
     return F.grid_sample(image, grid, padding_mode="border", align_corners=False) * inside
 
 
-def transcribed(model, buffers, t, n, scale):
-    """Frame ``t`` from its window, nothing carried over: figure 4 from left to right."""
+def transcribed(model, buffers, t, n, scale, guides=()):
+    """Frame ``t`` from its window, nothing carried over: figure 4 from left to right. ``guides`` names more inputs."""
 
     def conv(x, layer):
         return F.conv2d(x, layer.weight, layer.bias, padding=1)
@@ -84,7 +90,7 @@ def transcribed(model, buffers, t, n, scale):
         r, g, b = buffers["color"][:, k].unbind(1)
         y = 0.299 * r + 0.587 * g + 0.114 * b
         ycbcr = torch.stack((y, 0.5 + (b - y) * 0.5 / (1 - 0.114), 0.5 + (r - y) * 0.5 / (1 - 0.299)), 1)
-        return torch.cat((ycbcr, buffers["depth"][:, k]), 1)
+        return torch.cat((ycbcr, *(buffers[name][:, k] for name in ("depth", *guides))), 1)
 
     current = spread(features(samples(t), model.extract.network), buffers["jitter"][:, t], scale)
     past = []

@@ -17,6 +17,8 @@ VARIANTS = [
     f"model/{slot}={p.stem}" for slot in SLOTS for p in sorted((CONF / "model" / slot).glob("*.yaml"))
 ]
 
+pytestmark = pytest.mark.usefixtures("raft")
+
 
 @cache
 def configured(*overrides):
@@ -25,11 +27,13 @@ def configured(*overrides):
 
 
 def small(override, scale):
-    """ENSS S with a narrow MLP."""
+    """ENSS S with a narrow MLP, and RAFT in short."""
     config = configured("model=enss_s", override)
     config.task.scale = scale
     if "width" in config.model.kernel_prediction:
         config.model.kernel_prediction.width = 16
+    if "updates" in config.model.flow:
+        config.model.flow.updates = 1
     torch.manual_seed(0)
     return instantiate(config.model)
 

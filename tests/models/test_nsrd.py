@@ -9,9 +9,12 @@ from torch.utils.flop_counter import FlopCounterMode
 
 from supersampling.errors import UserError
 from supersampling.frames import Frame
+from supersampling.models.jau import JAU
 from supersampling.models.nsrd import NSRD
 from supersampling.ops.demodulate import demodulate
+from supersampling.stages.base import JitterAlignedBase, NoBase
 from supersampling.stages.demodulate import Demodulated, Radiance
+from supersampling.stages.locate import LocatedByJitter, Unlocated
 from supersampling.stages.motion_mask import DualMotionMask, NoMotionMask
 from supersampling.stages.recur import NotRecurrent, Recurrent
 
@@ -24,12 +27,24 @@ SWITCHES = {
     "none": {"demodulate": Radiance, "motion_mask": NoMotionMask, "recur": NotRecurrent},
     "one": {"previous": 1},
     "three": {"previous": 3},
+    "located": {"locate": LocatedByJitter},
+    "located and unmasked": {"locate": LocatedByJitter, "motion_mask": NoMotionMask, "previous": 3},
+    "based": {"base": JitterAlignedBase},
+    "both": {"locate": LocatedByJitter, "base": JitterAlignedBase, "recur": NotRecurrent},
 }
 
 
-def nsrd(scale=2, previous=2, demodulate=Demodulated, motion_mask=DualMotionMask, recur=Recurrent):
+def nsrd(
+    scale=2,
+    previous=2,
+    demodulate=Demodulated,
+    motion_mask=DualMotionMask,
+    recur=Recurrent,
+    locate=Unlocated,
+    base=NoBase,
+):
     torch.manual_seed(0)
-    return NSRD(scale, previous, demodulate(), motion_mask(), recur)
+    return NSRD(scale, previous, demodulate(), motion_mask(), recur, locate(), base())
 
 
 def clip(frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torch.float32):
@@ -40,6 +55,7 @@ def clip(frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torch.float32):
     buffers["motion"] = (2 * buffers["motion"] - 1) * motion
     hidden = torch.rand(b, frames, 1, h, w, generator=g, dtype=dtype) > 0.7
     buffers["motion_dual"] = torch.where(hidden, (2 * buffers["motion_dual"] - 1) * motion, buffers["motion"])
+    buffers["jitter"] = torch.rand(b, frames, 2, generator=g, dtype=dtype) - 0.5
     return buffers
 
 
@@ -95,7 +111,16 @@ def test_a_switch_that_is_off_leaves_no_parameters_and_no_inputs():
     assert bare.requires == {"radiance", "depth", "normal", "motion"}
     assert bare.compares == {"target_radiance"}
     _, state = bare(Frame.of(clip(), 0), None)
-    assert state.carried == ()
+    assert state.carried == state.located == ()
+
+
+def test_what_the_paper_does_not_have_adds_its_channels_and_jitter_alone():
+    whole = nsrd()
+    assert "jitter" not in whole.requires
+    located, based = nsrd(locate=LocatedByJitter), nsrd(base=JitterAlignedBase)
+    assert located.requires == based.requires == whole.requires | {"jitter"}
+    assert count(located) == count(whole) + 2 * 9 * (32 + 64)
+    assert count(based) == count(whole)
 
 
 def test_multiply_accumulates_are_those_of_the_supplement_s_table_2():
@@ -129,11 +154,14 @@ def test_multiply_accumulates_are_those_of_the_supplement_s_table_2():
 
 
 @pytest.mark.parametrize(("scale", "h", "w"), [(2, 5, 6), (3, 7, 4)])
-def test_equals_a_plain_transcription_over_a_clip(scale, h, w):
-    model, buffers = nsrd(scale=scale).double(), clip(5, 1, h, w, dtype=torch.float64)
+@pytest.mark.parametrize(("located", "based"), [(False, False), (True, False), (False, True), (True, True)])
+def test_equals_a_plain_transcription_over_a_clip(scale, h, w, located, based):
+    locate, base = LocatedByJitter if located else Unlocated, JitterAlignedBase if based else NoBase
+    model = nsrd(scale=scale, locate=locate, base=base).double()
+    buffers = clip(5, 1, h, w, dtype=torch.float64)
     frames = [{name: values[0, t] for name, values in buffers.items()} for t in range(5)]
     with torch.no_grad():
-        expected = nsrd_plainly.outputs(model, frames)
+        expected = nsrd_plainly.outputs(model, frames, located, based)
         outputs = run(model, buffers)[0]
     assert outputs[2].diff(dim=-1).abs().max() > 1e-3
     torch.testing.assert_close(outputs, expected, rtol=0, atol=1e-11)
@@ -200,6 +228,26 @@ def test_everything_that_is_declared_changes_the_output(buffer):
         assert not torch.equal(changed[:, -1], run(model, buffers)[:, -1])
 
 
+@pytest.mark.parametrize("switch", [{"locate": LocatedByJitter}, {"base": JitterAlignedBase}])
+def test_jitter_changes_the_output_of_what_declares_it(switch):
+    model, buffers = nsrd(**switch), clip()
+    with torch.no_grad():
+        changed = run(model, {**buffers, "jitter": clip(seed=1)["jitter"]})
+        assert not torch.equal(changed[:, -1], run(model, buffers)[:, -1])
+
+
+def test_a_last_layer_of_zeros_leaves_the_jitter_aligned_lighting():
+    model, buffers = nsrd(scale=4, base=JitterAlignedBase), clip()
+    with torch.no_grad():
+        for p in model.reconstruct.last.parameters():
+            p.zero_()
+        outputs = run(model, buffers)
+    light = demodulate(buffers["radiance"], buffers["material"], buffers["emission"])
+    for t in range(3):
+        jau = JAU(4)(Frame(color=light[:, t] / 20.0, jitter=buffers["jitter"][:, t]), None)[0] * 20.0
+        torch.testing.assert_close(outputs[:, t], jau, rtol=0, atol=1e-5)
+
+
 def test_recurrence_outlasts_the_window():
     buffers, other = clip(frames=6, motion=0.0), clip(frames=6, motion=0.0, seed=1)
     mixed = {name: torch.cat((other[name][:, :2], values[:, 2:]), dim=1) for name, values in buffers.items()}
@@ -221,9 +269,13 @@ def test_there_has_to_be_a_previous_frame():
         nsrd(previous=0)
 
 
-@pytest.mark.parametrize("recur", [Recurrent, NotRecurrent])
-def test_exports_to_a_graph(recur):
-    model, buffers = nsrd(scale=4, recur=recur).eval(), clip(b=1)
+@pytest.mark.parametrize(
+    "switches",
+    [{}, {"recur": NotRecurrent}, {"locate": LocatedByJitter, "base": JitterAlignedBase}],
+    ids=["published", "unrecurrent", "jitter"],
+)
+def test_exports_to_a_graph(switches):
+    model, buffers = nsrd(scale=4, **switches).eval(), clip(b=1)
     frames = [{name: values[:, t] for name, values in buffers.items()} for t in range(3)]
 
     class Step(torch.nn.Module):

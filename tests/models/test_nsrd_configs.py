@@ -15,11 +15,20 @@ from supersampling.training.module import unroll
 CONF = Path(__file__).resolve().parents[2] / "conf"
 OPTIONS = [
     f"model/{slot}={option.stem}"
-    for slot in ("demodulate", "motion_mask", "recur")
+    for slot in ("demodulate", "motion_mask", "recur", "locate", "base")
     for option in sorted((CONF / "model" / slot).glob("*.yaml"))
 ]
-SIZES = {"radiance": 3, "material": 3, "emission": 3, "depth": 1, "normal": 3, "motion": 2, "motion_dual": 2}
-HIGH = ("target_radiance", "high_material", "high_emission")
+SIZES = {
+    "color": 3,
+    "radiance": 3,
+    "material": 3,
+    "emission": 3,
+    "depth": 1,
+    "normal": 3,
+    "motion": 2,
+    "motion_dual": 2,
+}
+HIGH = ("target", "target_radiance", "high_material", "high_emission")
 
 
 def composed(*overrides):
@@ -33,6 +42,7 @@ def clip(scale, frames, b=2, h=8, w=9):
     torch.manual_seed(0)
     buffers = {name: torch.rand(b, frames, c, h, w) for name, c in SIZES.items()}
     buffers["motion"] = (buffers["motion"] - 0.5) * 0.1
+    buffers["jitter"] = torch.rand(b, frames, 2) - 0.5
     buffers["motion_dual"] = buffers["motion"] + (torch.rand(b, frames, 1, h, w) > 0.8) * 0.05
     return buffers | {name: torch.rand(b, frames, 3, h * scale, w * scale) for name in HIGH}
 

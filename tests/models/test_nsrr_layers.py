@@ -5,8 +5,9 @@ import torch
 from nsrr_plainly import nsrr
 
 from supersampling.errors import UserError
-from supersampling.models.nsrr import UNet
+from supersampling.models.blocks.unet import UNet
 from supersampling.stages.extract import LearnedFeatures, NoExtraction
+from supersampling.stages.guides import GBuffers
 from supersampling.stages.reweight import LearnedWeights, NoReweighting
 
 
@@ -14,15 +15,15 @@ def parameters(model):
     return sum(p.numel() for p in model.parameters())
 
 
-def by_formula(previous, width=64, extract=True, reweight=True):
+def by_formula(previous, width=64, extract=True, reweight=True, guides=0):
     """Figure 4's table of layers, each ``(inputs, outputs)``: 9 weights a pair and a bias an output."""
-    c = 12 if extract else 4
+    c = (12 if extract else 4) + guides
     h = width // 2
     layers = [(c * (previous + 1), width), (width, h), (h, width), (width, width), (width, 2 * width),
               (2 * width, 2 * width), (3 * width, width), (width, width), (width + h, h), (h, 3)]  # fmt: skip
     assert len(layers) == 10
     if extract:
-        layers += [(4, 32), (32, 32), (32, 8)] * (2 if previous else 1)
+        layers += [(4 + guides, 32), (32, 32), (32, 8)] * (2 if previous else 1)
     if reweight and previous:
         layers += [(4 * (previous + 1), 32), (32, 32), (32, previous)]
     return sum(9 * i * o + o for i, o in layers)
@@ -48,6 +49,13 @@ def test_a_disabled_stage_leaves_no_parameters(previous, extract, reweight, widt
     assert parameters(model) == by_formula(previous, width, extract, reweight)
     assert ("motion" in model.requires) == (previous > 0)
     assert model.requires - {"motion"} == {"color", "depth", "jitter"}
+
+
+@pytest.mark.parametrize("previous", [0, 2])
+@pytest.mark.parametrize("extract", [LearnedFeatures, NoExtraction])
+def test_guides_widen_both_extractors_and_the_u_net_but_not_the_reweighting(previous, extract):
+    model = nsrr(previous=previous, extract=extract, guides=GBuffers(["normal", "n_dot_v"]))
+    assert parameters(model) == by_formula(previous, extract=extract is LearnedFeatures, guides=3 + 1)
 
 
 def test_the_fast_u_net_halves_every_layer_but_the_last():

@@ -6,9 +6,10 @@ import torch
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.tus import TUS
+from supersampling.stages.colour_space import RGB
 from supersampling.stages.dilate import ClosestDepth, NoDilation
 from supersampling.stages.pad import JitterAligned, Zeros
-from supersampling.stages.rectify import RGB, Clamp, NoRectification
+from supersampling.stages.rectify import Clamp, NoRectification
 from supersampling.stages.reproject import Bilinear
 
 

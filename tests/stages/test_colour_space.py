@@ -3,7 +3,7 @@ import pytest
 import torch
 from PIL import Image
 
-from supersampling.stages.colour_space import RGB, YCbCr
+from supersampling.stages.colour_space import RGB, YCbCr, YCoCg
 
 
 def test_ycbcr_is_that_of_jpeg():
@@ -39,7 +39,24 @@ def test_there_and_back_for_frames_and_clips(space):
         torch.testing.assert_close(space.to_rgb(color), rgb, rtol=0, atol=1e-6)
 
 
-def test_gradients():
+@pytest.mark.parametrize("space", [RGB(), YCoCg(), YCbCr()])
+def test_light_of_any_size_keeps_its_sums_and_comes_back(space):
+    """An affine map: nothing is cut beyond [0, 1], and only the offset, black's place, is not linear."""
+    a, b = (100.0 * torch.rand(2, 3, 4, 5, dtype=torch.float64) for _ in range(2))
+    black = space.of_rgb(torch.zeros_like(a))
+    torch.testing.assert_close(space.of_rgb(a + b) - black, space.of_rgb(a) + space.of_rgb(b) - 2.0 * black)
+    torch.testing.assert_close(space.to_rgb(space.of_rgb(a)), a)
+
+
+@pytest.mark.parametrize("space", [YCoCg(), YCbCr()])
+def test_grey_has_its_value_for_luma_and_no_colour(space):
+    color = space.of_rgb(torch.full((1, 3, 1, 1), 7.0)).flatten()
+    chroma = space.of_rgb(torch.zeros(1, 3, 1, 1)).flatten()[1:]
+    torch.testing.assert_close(color, torch.cat((torch.tensor([7.0]), chroma)))
+
+
+@pytest.mark.parametrize("space", [YCoCg(), YCbCr()])
+def test_gradients(space):
     x = torch.rand(1, 3, 2, 2, dtype=torch.float64, requires_grad=True)
-    assert torch.autograd.gradcheck(YCbCr().of_rgb, (x,))
-    assert torch.autograd.gradcheck(YCbCr().to_rgb, (x,))
+    assert torch.autograd.gradcheck(space.of_rgb, (x,))
+    assert torch.autograd.gradcheck(space.to_rgb, (x,))

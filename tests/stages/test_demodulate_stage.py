@@ -1,8 +1,11 @@
+import math
+
+import pytest
 import torch
 
 from supersampling.frames import Frame
 from supersampling.ops.display import displayed
-from supersampling.stages.demodulate import Demodulated, Radiance
+from supersampling.stages.demodulate import Demodulated, DisplayColour, LoggedLighting, Radiance
 
 
 def light(*shape, low=0.0):
@@ -23,7 +26,7 @@ def test_a_perfect_output_is_presented_as_the_display_of_the_target():
         light(2, 4, 1, 6, 6) > 0.8
     )  # sky: all of it passes beside
     clip["high_material"] = light(2, 4, 3, 6, 6, low=0.05) * (clip["high_emission"] == 0)
-    for stage in (Demodulated(), Radiance()):
+    for stage in (Demodulated(), LoggedLighting(), Radiance()):
         given = {name: clip[name] for name in stage.compares}
         reference = stage.reference(given)
         assert reference.shape == clip["target_radiance"].shape
@@ -39,11 +42,32 @@ def test_negative_outputs_are_no_light_and_do_not_darken_emission():
     assert torch.equal(shown, displayed(emission))
 
 
+def test_logged_lighting_is_a_logarithm_of_lighting_that_no_output_overflows():
+    lighting = torch.tensor([0.0, 1e-6, 0.5, 3000.0], dtype=torch.float64).expand(1, 3, 1, 4)
+    one, none = torch.ones_like(lighting), torch.zeros_like(lighting)
+    stage = LoggedLighting()
+    seen = stage(Frame(radiance=lighting, material=one, emission=none))
+    assert seen[0, 0, 0].tolist() == pytest.approx([0.0, 1e-6, math.log(1.5), math.log(3001.0)], rel=1e-5)
+    shown = stage.present(torch.full_like(one, 1e4), Frame(high_material=one, high_emission=none))
+    torch.testing.assert_close(shown, one)
+
+
 def test_off_reads_the_radiance_alone():
     radiance = light(1, 3, 2, 2)
     assert Radiance().requires == {"radiance"}
     assert Radiance().compares == {"target_radiance"}
     assert torch.equal(Radiance()(Frame(radiance=radiance)), radiance)
+
+
+def test_display_colour_is_shown_as_it_is_within_its_range():
+    stage = DisplayColour()
+    clip = {"color": light(2, 3, 3, 4, 4), "target": light(2, 3, 3, 8, 8)}
+    assert stage.requires == {"color"}
+    assert stage.compares == {"target"}
+    assert torch.equal(stage(Frame.of(clip, 1)), clip["color"][:, 1])
+    assert torch.equal(stage.reference(clip), clip["target"])
+    beyond = torch.tensor([-0.5, 0.0, 0.3, 1.0, 1.5])
+    assert stage.present(beyond, Frame()).tolist() == torch.tensor([0.0, 0.0, 0.3, 1.0, 1.0]).tolist()
 
 
 def test_what_is_presented_is_among_what_is_required():

@@ -1,9 +1,18 @@
 import numpy as np
 import pytest
 import torch
+import torchvision
 
+from supersampling.errors import UserError
 from supersampling.frames import Frame
-from supersampling.stages.flow import TVL1, JitteredMotionVectors, MotionVectors, NoFlow, compensate_jitter
+from supersampling.stages.flow import (
+    RAFT,
+    TVL1,
+    JitteredMotionVectors,
+    MotionVectors,
+    NoFlow,
+    compensate_jitter,
+)
 
 
 def scene(x, y):
@@ -86,6 +95,142 @@ def test_tvl1_of_images_too_small_for_it_is_no_motion():
     jitter = torch.zeros(1, 2)
     flow = TVL1()(Frame(color=torch.rand(1, 3, 1, 3), jitter=jitter), (torch.rand(1, 3, 1, 3), jitter))
     assert torch.equal(flow, torch.zeros(1, 2, 1, 3))
+
+
+class Stub(torch.nn.Module):
+    """In RAFT's place: says what it was given, and answers with a flow that ``answer`` makes of the two images."""
+
+    def __init__(self, answer):
+        super().__init__()
+        self.answer, self.given = answer, []
+
+    def forward(self, first, second, num_flow_updates):
+        self.given.append((first, second, num_flow_updates))
+        return [torch.full_like(first[:, :2], torch.nan), self.answer(first, second)]
+
+
+def stubbed(answer, network="raft_small", weights="C_T_V2", updates=3):
+    stage = RAFT(network, weights, updates)
+    stage.network = Stub(answer)
+    return stage
+
+
+def constant(x, y):
+    return (
+        lambda first, second: torch.tensor([x, y]).view(1, 2, 1, 1).expand(len(first), 2, *first.shape[-2:])
+    )
+
+
+def searched(first, second):
+    """Where the second image's pixels are that are the first's, by trial: ``first(p) = second(p + flow)``."""
+    reach, inner = 9, (..., slice(40, -40), slice(40, -40))
+    tried = [(x, y) for x in range(-reach, reach + 1) for y in range(-reach, reach + 1)]
+    errors = [(second.roll((-y, -x), (2, 3)) - first)[inner].abs().mean() for x, y in tried]
+    return constant(*map(float, tried[int(torch.stack(errors).argmin())]))(first, second)
+
+
+@pytest.mark.parametrize(("h", "w", "factor"), [(160, 136, 1), (32, 48, 3)])
+def test_raft_s_flow_is_from_now_to_before_in_pixels(raft, h, w, factor):
+    """A jittered plane that moves, so that its image moves by whole pixels of what the network sees."""
+    now, before, velocity = (0.25, -0.5), (-0.25, 0.0), (1.5, -1.5)
+    images = [shot((0.0, 0.0), before, h, w), shot(velocity, now, h, w)]
+    stage = stubbed(searched)
+    memory = stage.remember(Frame(color=images[0], jitter=torch.tensor([before])))
+    found = stage(Frame(color=images[1], jitter=torch.tensor([now])), memory)
+    expected = torch.tensor([-v / size for v, size in zip(velocity, (w, h))]).view(1, 2, 1, 1)
+    torch.testing.assert_close(found, expected.expand(1, 2, h, w), rtol=0, atol=1e-6)
+    first, _, updates = stage.network.given[0]
+    assert updates == 3
+    assert all(side >= 128 and side % 8 == 0 for side in first.shape[-2:])
+    assert max(h, w) * factor <= max(first.shape[-2:])
+
+
+@pytest.mark.parametrize(
+    ("h", "w", "factor"), [(131, 201, 1), (24, 33, 4), (1, 3, 43), (5, 1, 26), (140, 2, 1)]
+)
+def test_raft_s_flow_is_cut_out_where_the_image_was_put(raft, h, w, factor):
+    """A flow that is the image's own values comes back at their places: means of enlarged pixels."""
+    torch.manual_seed(0)
+    color, still = torch.rand(2, 3, h, w), torch.zeros(2, 2)
+    stage = stubbed(lambda first, second: first[:, :2])
+    found = stage(Frame(color=color, jitter=still), (torch.rand(2, 3, h, w), still))
+    rows, columns = ((torch.arange(n * factor) + 0.5) / factor - 0.5 for n in (h, w))
+    for n in range(2):
+        for c, size in ((0, w), (1, h)):
+            # Bilinear, borders repeated, by numpy; then the mean of each block.
+            wide = np.stack([np.interp(columns, np.arange(w), row) for row in color[n, c].numpy()])
+            tall = np.stack([np.interp(rows, np.arange(h), column) for column in wide.T], axis=1)
+            mean = tall.reshape(h, factor, w, factor).mean((1, 3))
+            np.testing.assert_allclose(found[n, c] * size * factor, 2 * mean - 1, atol=1e-4)
+
+
+def test_raft_sees_colours_from_minus_1_to_1_with_repeated_borders(raft):
+    color = torch.rand(1, 3, 130, 140)
+    stage = stubbed(constant(0.0, 0.0))
+    stage(Frame(color=color, jitter=torch.zeros(1, 2)), (1.0 - color, torch.zeros(1, 2)))
+    first, second, _ = stage.network.given[0]
+    assert first.shape == (1, 3, 136, 144)
+    np_padded = np.pad(2 * color[0].numpy() - 1, ((0, 0), (3, 3), (2, 2)), mode="edge")
+    np.testing.assert_allclose(first[0], np_padded, atol=1e-6)
+    np.testing.assert_allclose(second[0], -np_padded, atol=1e-6)
+
+
+@pytest.mark.parametrize(("network", "weights"), [("raft_large", "C_T_SKHT_V2"), ("raft_small", "C_T_V2")])
+def test_raft_has_nothing_to_learn_to_save_or_to_count(raft, network, weights):
+    stage = RAFT(network, weights, 1).train()
+    assert not list(stage.parameters())
+    assert not stage.state_dict()
+    assert not any(module.training for module in stage.network.modules())
+    before = [values.clone() for values in stage.buffers()]
+    color, still = torch.rand(2, 3, 20, 24, requires_grad=True), torch.zeros(2, 2)
+    other = torch.rand(2, 3, 20, 24)
+    flow = stage(Frame(color=color, jitter=still), (other, still))
+    assert flow.shape == (2, 2, 20, 24)
+    assert flow.isfinite().all()
+    assert not flow.requires_grad
+    assert all(torch.equal(a, b) for a, b in zip(before, stage.buffers()))
+    with torch.autocast("cpu", torch.bfloat16):
+        assert torch.equal(stage(Frame(color=color, jitter=still), (other, still)), flow)
+    alone = stage(Frame(color=color[1:], jitter=still[1:]), (other[1:], still[1:]))
+    assert torch.equal(alone, flow[1:])
+
+
+def test_raft_is_torchvision_s_with_the_file_s_weights(raft, raft_home):
+    """At a size that needs no padding, against the network itself."""
+    torch.manual_seed(0)
+    color, other, still = torch.rand(1, 3, 128, 136), torch.rand(1, 3, 128, 136), torch.zeros(1, 2)
+    network = torchvision.models.optical_flow.raft_small(weights=None).eval()
+    entry = torchvision.models.optical_flow.Raft_Small_Weights.C_T_V2
+    network.load_state_dict(
+        torch.load(raft_home / "hub" / "checkpoints" / entry.url.split("/")[-1], weights_only=True)
+    )
+    with torch.no_grad():
+        expected = network(*entry.transforms()(color, other), num_flow_updates=4)[-1]
+    found = RAFT("raft_small", "C_T_V2", 4)(Frame(color=color, jitter=still), (other, still))
+    assert expected.abs().max() > 1e-3
+    torch.testing.assert_close(found * torch.tensor([136.0, 128.0]).view(1, 2, 1, 1), expected)
+
+
+def test_raft_s_missing_weights_are_named(monkeypatch, tmp_path):
+    def offline(*args, **kwargs):
+        raise OSError("<urlopen error no route to host>")
+
+    monkeypatch.setattr(torch.hub, "download_url_to_file", offline)
+    monkeypatch.setenv("TORCH_HOME", str(tmp_path))
+    path = f"{tmp_path}/hub/checkpoints/raft_large_C_T_SKHT_V2-ff5fadd5.pth"
+    with pytest.raises(
+        UserError, match=f"no route to host.*C_T_SKHT_V2-ff5fadd5.pth at {path}, or use .*tvl1"
+    ):
+        RAFT("raft_large", "C_T_SKHT_V2", 12)
+
+
+def test_mistakes_with_raft():
+    with pytest.raises(UserError, match=r"flow\.network=vgg16 .*raft_large or raft_small"):
+        RAFT("vgg16", "IMAGENET1K_V1", 12)
+    with pytest.raises(UserError, match="no weights C_T_SKHT_V2 of raft_small: use one of C_T_V1, C_T_V2"):
+        RAFT("raft_small", "C_T_SKHT_V2", 12)
+    with pytest.raises(UserError, match=r"flow\.updates must be 1 or more, got 0"):
+        RAFT("raft_small", "C_T_V2", 0)
 
 
 def test_no_flow_reads_nothing_and_stays():

@@ -2,7 +2,8 @@ import pytest
 import torch
 
 from supersampling.ops.colour import rgb_to_ycocg, ycocg_to_rgb
-from supersampling.stages.rectify import RGB, Clamp, Clip, NoRectification, YCoCg
+from supersampling.stages.colour_space import RGB, YCoCg
+from supersampling.stages.rectify import Clamp, Clip, NoRectification
 
 SPACES = {"rgb": (RGB(), lambda c: c, lambda c: c), "ycocg": (YCoCg(), rgb_to_ycocg, ycocg_to_rgb)}
 

@@ -42,8 +42,8 @@ def test_the_previous_output_arrives_warped_and_in_low_resolution_channels():
     recur, seen = stage(Recurrent), []
     recur.first.register_forward_hook(lambda module, args, out: seen.append(args[0]))
     output = numbers(1, 3, 8, 12)
-    motion = torch.zeros(1, 2, 4, 6, dtype=torch.float64)
-    motion[:, 0] = 2 / 6  # two low-resolution pixels are four of the output
+    motion = torch.zeros(1, 2, 8, 12, dtype=torch.float64)
+    motion[:, 0] = 4 / 12
     recur(numbers(1, 3, 4, 6), motion, (output, numbers(1, 2, 4, 6), numbers(1, 2, 4, 6)))
     for channel in range(3):
         for i in range(8):
@@ -55,7 +55,7 @@ def test_the_previous_output_arrives_warped_and_in_low_resolution_channels():
 
 def test_a_clip_begins_with_zeros():
     recur, shallow = stage(Recurrent), numbers(2, 3, 4, 6)
-    still = torch.zeros(2, 2, 4, 6, dtype=torch.float64)
+    still = torch.zeros(2, 2, 8, 12, dtype=torch.float64)
     zeros = tuple(
         torch.zeros(2, c, *s, dtype=torch.float64) for c, s in ((3, (8, 12)), (2, (4, 6)), (2, (4, 6)))
     )
@@ -69,7 +69,7 @@ def test_a_clip_begins_with_zeros():
 
 def test_gradients_of_the_step():
     recur = stage(Recurrent)
-    motion = numbers(1, 2, 2, 3) * 0.05
+    motion = numbers(1, 2, 4, 6) * 0.05
     leaves = [numbers(1, 3, 2, 3), numbers(1, 3, 4, 6), numbers(1, 2, 2, 3), numbers(1, 2, 2, 3)]
     for leaf in leaves:
         leaf.requires_grad_()
@@ -83,7 +83,7 @@ def test_gradients_of_the_step():
 
 def test_off_keeps_nothing_and_has_no_weights_of_the_lstm():
     recur, shallow = stage(NotRecurrent), numbers(1, 3, 4, 6)
-    features, memory = recur(shallow, torch.zeros(1, 2, 4, 6), ())
+    features, memory = recur(shallow, torch.zeros(1, 2, 8, 12), ())
     expected = F.conv2d(shallow, recur.first.weight, recur.first.bias, padding=1).clamp_min(0.0)
     torch.testing.assert_close(features, expected)
     assert recur.carry(numbers(1, 3, 8, 12), memory) == ()
@@ -93,5 +93,5 @@ def test_off_keeps_nothing_and_has_no_weights_of_the_lstm():
 def test_the_cell_keeps_its_precision_under_autocast():
     recur = Recurrent(channels=3, width=2, scale=2)
     with torch.autocast("cpu", torch.bfloat16):
-        _, (hidden, cell) = recur(torch.rand(1, 3, 4, 6).bfloat16(), torch.zeros(1, 2, 4, 6), ())
+        _, (hidden, cell) = recur(torch.rand(1, 3, 4, 6).bfloat16(), torch.zeros(1, 2, 8, 12), ())
     assert hidden.dtype == cell.dtype == torch.float32

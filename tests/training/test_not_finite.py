@@ -42,6 +42,9 @@ class Items(Dataset):
         image = torch.full((1, 3, 2, 2), 0.5)
         return {"color": image, "target": image}
 
+    def name(self, index):
+        return f"item {index}"
+
 
 class Breaks(Loss):
     """An L1 that is ``value`` from the given call on."""
@@ -128,7 +131,7 @@ def test_it_stops_and_says_where(tmp_path, step, validate_every, value):
     epoch, batch = divmod(step, STEPS)
     assert f"at step {step} (epoch {epoch}, batch {batch}): broken = {value}, beside l1 = " in said
     items = list(range(BATCH * step, BATCH * (step + 1)))
-    assert f"the items {items} of the training" in said
+    assert f"Its windows: {'; '.join(f'item {k}' for k in items)}. The checkpoint" in said
     assert set(items) <= set(Items.seen)
     # The last checkpoint is of a whole epoch before, and good.
     assert run.checkpoint["global_step"] == epoch * STEPS

@@ -70,10 +70,21 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
     def __getitem__(self, index: int) -> dict[str, Tensor]:
         if self._stores is None:
             self._stores = self._open()
-        rng = np.random.default_rng((self._seed, index))
-        place = self._pick(lambda: self._propose(rng), self._motion)
+        rng, place = self._place(index)
         item = {name: self._read(name, place) for name in self._names}
         return {name: torch.from_numpy(values) for name, values in self._augment(item, rng).items()}
+
+    def name(self, index: int) -> str:
+        """Which window it is: ``foundry clip 3, frames 1 to 10, at (16, 40)``, counted from 0, the place in low-resolution pixels."""
+        if self._stores is None:
+            self._stores = self._open()
+        _, place = self._place(index)
+        frames = f"frames {place.stop - self._cut.frames} to {place.stop - 1}"
+        return f"{self._specs[place.file].scene} clip {place.clip}, {frames}, at ({place.x}, {place.y})"
+
+    def _place(self, index: int) -> tuple[np.random.Generator, Place]:
+        rng = np.random.default_rng((self._seed, index))
+        return rng, self._pick(lambda: self._propose(rng), self._motion)
 
     def _propose(self, rng: np.random.Generator) -> Place:
         file, clip = self._clips[rng.integers(len(self._clips))]

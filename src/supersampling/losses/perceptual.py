@@ -1,19 +1,18 @@
 """Distance between the features of a pretrained image classifier."""
 
-import pickle
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, final
+from typing import final
 
 import torch
 import torch.nn.functional as F
-import torchvision
 from torch import Tensor
 from torchvision.models.vgg import cfgs, make_layers
 
 from supersampling.errors import UserError
 from supersampling.losses.base import Loss
+from supersampling.ops.pretrained import load_pretrained
 
 # VGG-16's convolutions by block (Simonyan and Zisserman 2015, configuration D); all blocks but the first begin by a max-pool.
 _BLOCKS = (2, 2, 3, 3, 3)
@@ -36,25 +35,10 @@ def pretrained(weights: str) -> Pretrained:
     Raises:
         UserError: there are no such weights, or they cannot be had; it says which file goes where.
     """
-    known = {entry.name: entry for entry in torchvision.models.VGG16_Weights}
-    if weights not in known:
-        raise UserError(
-            f"There are no VGG-16 weights {weights} in torchvision: use one of {', '.join(known)}."
-        )
-    entry: Any = known[weights]
     layers = make_layers(cfgs["D"])
-    try:
-        state = entry.get_state_dict(progress=False, check_hash=True)
-        layers.load_state_dict(
-            {k.removeprefix("features."): v for k, v in state.items() if k.startswith("features.")}
-        )
-    except (OSError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
-        path = f"{torch.hub.get_dir()}/checkpoints/{entry.url.rsplit('/', 1)[-1]}"
-        reason = (str(error) or type(error).__name__).splitlines()[0]
-        raise UserError(
-            f"The perceptual loss needs VGG-16, which could not be had ({reason}): put the file {entry.url} at {path}, or leave "
-            "the term out."
-        ) from error
+    entry = load_pretrained(
+        layers, "vgg16", weights, "The perceptual loss", "leave the term out", prefix="features."
+    )
     made = [m for m in layers if isinstance(m, torch.nn.Conv2d)]
     pairs = tuple((m.weight.detach(), m.bias.detach()) for m in made if m.bias is not None)
     preset = entry.transforms()

@@ -35,6 +35,13 @@ class Upsampler(nn.Module, ABC, Generic[State]):
     @abstractmethod
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]: ...
 
+    def advance(self, frame: Frame, state: State | None) -> State:
+        """The state alone, as ``forward`` gives it, for a frame whose output nobody asks for.
+
+        A method whose state does not depend on its output leaves out here what only the output needs.
+        """
+        return self(frame, state)[1]
+
     def __call__(self, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         result: Any = super().__call__(frame, state)
         return result

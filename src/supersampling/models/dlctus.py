@@ -1,6 +1,8 @@
 """DLCTUS: a network controls history rectification and accumulation (Swensen 2021, chapter 4 and appendix
 A.1)."""
 
+import copy
+from abc import ABC
 from typing import final
 
 import torch
@@ -19,6 +21,12 @@ from supersampling.stages.reproject import Reproject
 
 STRIDE = 4  # of the network, at every scale
 WIDTH = 2 * STRIDE**2  # so that the pixel shuffle leaves the two outputs o1 and o2
+
+
+def pad_to_blocks(x: Tensor) -> Tensor:
+    """``(B, C, H, W)`` with the last row and column repeated until 4 divides both sides."""
+    below, right = -x.shape[-2] % STRIDE, -x.shape[-1] % STRIDE
+    return F.pad(x, (0, right, 0, below), mode="replicate") if below or right else x
 
 
 class Trunk(nn.Module):
@@ -42,10 +50,7 @@ class Trunk(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         height, width = x.shape[-2:]
-        below, right = -height % STRIDE, -width % STRIDE
-        if below or right:
-            x = F.pad(x, (0, right, 0, below), mode="replicate")
-        x = self.down(x)
+        x = self.down(pad_to_blocks(x))
         for block in self.blocks:
             x = x + block(x)
         return F.pixel_shuffle(x, STRIDE)[..., :height, :width]
@@ -55,13 +60,62 @@ class Trunk(nn.Module):
         return [block[-1] for block in self.blocks]  # type: ignore[index]
 
 
-@final
-class DLCTUS(Upsampler[Tensor]):
-    """Network-controlled blending of reprojected history and jitter-aligned input.
+class Blending(Upsampler[Tensor], ABC):
+    """All of DLCTUS but its network: what the plain form and the one for inference have in common.
 
     The state is the history ``(B, C, H, W)``: colour and, with an accumulation buffer, a fourth channel in
-    [0, 1]. ``o1`` is the network's blending weight (eq 44), ``o2`` its factor on the accumulation buffer (eq
-    45).
+    [0, 1].
+    """
+
+    def __init__(
+        self,
+        scale: int,
+        reproject: Reproject,
+        dilate: Dilate,
+        pad: Pad,
+        accumulate: Accumulate,
+        confine: Confine,
+    ) -> None:
+        super().__init__()
+        self.scale = check_scale(scale)
+        self.reproject, self.dilate, self.pad = reproject, dilate, pad
+        self.accumulate, self.confine = accumulate, confine
+        self.requires = frozenset({"color", "depth", "jitter", "motion"}) | dilate.requires
+
+    def samples(self, frame: Frame) -> tuple[Tensor, Tensor]:
+        """What is zero-upsampled (4.1.1): colour and depth ``(B, 4, h, w)``, and their jitter ``(B, 2)``."""
+        assert frame.color is not None
+        assert frame.depth is not None
+        assert frame.jitter is not None
+        return torch.cat((frame.color, frame.depth), dim=1), frame.jitter
+
+    def prepare(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
+        """The jitter-aligned input and the reprojected, padded history (4.1.1, 4.1.2): ``(B, C, H, W)`` both."""
+        assert frame.color is not None
+        assert frame.jitter is not None
+        assert frame.motion is not None
+        # Interpolated ones are ones, so the buffer's channel is appended afterwards.
+        aligned = self.accumulate.append(jitter_aligned_upsample(frame.color, frame.jitter, self.scale))
+        if state is None:
+            return aligned, aligned
+        height, width = aligned.shape[-2:]
+        motion = upsample_motion(self.dilate(frame.motion, frame.depth), (height, width))
+        return aligned, self.pad(self.reproject(state, motion), aligned, motion)
+
+    def construct(self, aligned: Tensor, history: Tensor, predicted: Tensor) -> Tensor:
+        """The new history (4.1.4), ``(B, C, ...)`` like the one before; ``predicted (B, 2, ...)`` is the network's output.
+
+        It stays in full precision under autocast: what is lost here adds up over frames.
+        """
+        o1, o2 = self.confine(predicted.to(history.dtype)).split(1, dim=1)
+        return self.accumulate(torch.lerp(history, aligned, o1), o2).clamp(0.0, 1.0)
+
+
+@final
+class DLCTUS(Blending):
+    """Network-controlled blending of reprojected history and jitter-aligned input.
+
+    ``o1`` is the network's blending weight (eq 44), ``o2`` its factor on the accumulation buffer (eq 45).
 
     Args:
         scale: ``s``.
@@ -79,36 +133,99 @@ class DLCTUS(Upsampler[Tensor]):
         confine: Confine,
         initialise: Initialise,
     ) -> None:
-        super().__init__()
-        self.scale = check_scale(scale)
-        self.reproject, self.dilate, self.pad = reproject, dilate, pad
-        self.accumulate, self.confine = accumulate, confine
+        super().__init__(scale, reproject, dilate, pad, accumulate, confine)
         self.network = Trunk(4 + accumulate.channels)
         initialise(self.network.down, self.network.output_layers(), confine)
-        self.requires = frozenset({"color", "depth", "jitter", "motion"}) | dilate.requires
 
     def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
-        color, depth, jitter = frame.color, frame.depth, frame.jitter
-        assert color is not None
-        assert depth is not None
-        assert jitter is not None
-        assert frame.motion is not None
-
-        # Input upsampling, 4.1.1. Interpolated ones are ones, so the buffer's channel is appended afterwards.
-        aligned = self.accumulate.append(jitter_aligned_upsample(color, jitter, self.scale))
-        sparse = zero_upsample(torch.cat((color, depth), dim=1), jitter, self.scale)
-
-        # History reprojection, 4.1.2
-        if state is None:
-            history = aligned
-        else:
-            height, width = aligned.shape[-2:]
-            motion = upsample_motion(self.dilate(frame.motion, depth), (height, width))
-            history = self.pad(self.reproject(state, motion), aligned, motion)
-
-        # Network execution, 4.1.3
-        o1, o2 = self.confine(self.network(torch.cat((sparse, history), dim=1))).split(1, dim=1)
-
-        # Output construction, 4.1.4
-        history = self.accumulate(torch.lerp(history, aligned, o1), o2).clamp(0.0, 1.0)
+        sparse = zero_upsample(*self.samples(frame), self.scale)
+        aligned, history = self.prepare(frame, state)
+        history = self.construct(aligned, history, self.network(torch.cat((sparse, history), dim=1)))
         return history[:, :3], history
+
+    def for_inference(self) -> "DLCTUSForInference":
+        """A copy with the thesis's two rewrites (4.4.4): the same outputs and states to rounding."""
+        return DLCTUSForInference(self)
+
+
+@final
+class DLCTUSForInference(Blending):
+    """DLCTUS as the thesis deploys it (4.4.4); its outputs and states are those of the plain form to rounding.
+
+    Optimisation 1: no pixel shuffle. Output construction reads the network's 32 channels where they are, as a view.
+    Optimisation 2: the 4x4 convolution of stride 4 is a space-to-depth and a 1x1 convolution with the same weights. The
+    reordering takes no pass of its own: input preparation writes the network's input in that order. The thesis then has
+    to shuffle the history back for output construction, which is spared here by keeping it in image order, too.
+
+    Args:
+        model: what is copied.
+    """
+
+    def __init__(self, model: DLCTUS) -> None:
+        model = copy.deepcopy(model)
+        super().__init__(
+            model.scale, model.reproject, model.dilate, model.pad, model.accumulate, model.confine
+        )
+        plain = model.network.down
+        # The order of pixel_unshuffle: channel, row, column.
+        self.down: nn.Conv2d = nn.utils.skip_init(
+            nn.Conv2d,
+            plain.in_channels * STRIDE**2,
+            WIDTH,
+            1,
+            device=plain.weight.device,
+            dtype=plain.weight.dtype,
+        )
+        self.down.load_state_dict({"weight": plain.weight.reshape(WIDTH, -1, 1, 1), "bias": plain.bias})
+        self.blocks = model.network.blocks
+        self.train(model.training)
+
+    def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
+        samples, jitter = self.samples(frame)
+        aligned, history = self.prepare(frame, state)
+        height, width = aligned.shape[-2:]
+        aligned, history = in_blocks(pad_to_blocks(aligned)), in_blocks(pad_to_blocks(history))
+
+        # Optimisation 2
+        sparse = sparse_blocks(samples, jitter, self.scale)
+        x = self.down(torch.cat((sparse, space_to_depth(history)), dim=1).flatten(1, 3))
+        for block in self.blocks:
+            x = x + block(x)
+
+        # Optimisation 1
+        predicted = depth_to_space(x.unflatten(1, (2, STRIDE, STRIDE)))
+        history = self.construct(aligned, history, predicted)
+        history = history.flatten(4, 5).flatten(2, 3)[..., :height, :width]
+        return history[:, :3], history
+
+
+def in_blocks(image: Tensor) -> Tensor:
+    """A view ``(B, C, H / 4, 4, W / 4, 4)`` of an image ``(B, C, H, W)``."""
+    return image.unflatten(3, (-1, STRIDE)).unflatten(2, (-1, STRIDE))
+
+
+def space_to_depth(blocks: Tensor) -> Tensor:
+    """A view ``(B, C, 4, 4, H / 4, W / 4)`` of ``(B, C, H / 4, 4, W / 4, 4)``."""
+    return blocks.permute(0, 1, 3, 5, 2, 4)
+
+
+def depth_to_space(blocks: Tensor) -> Tensor:
+    """A view ``(B, C, H / 4, 4, W / 4, 4)`` of ``(B, C, 4, 4, H / 4, W / 4)``."""
+    return blocks.permute(0, 1, 4, 2, 5, 3)
+
+
+def sparse_blocks(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
+    """`zero_upsample` of ``(B, C, h, w)``, padded and in space-to-depth order: ``(B, C, 4, 4, H / 4, W / 4)``.
+
+    At the thesis's scales, 2 and 4, a block holds whole low-resolution pixels, and is written in that order at once.
+    """
+    b, _, h, w = image.shape
+    pixels = STRIDE // scale  # of a block, on each axis
+    if STRIDE % scale or h % pixels or w % pixels:
+        return space_to_depth(in_blocks(pad_to_blocks(zero_upsample(image, jitter, scale))))
+    hit = zero_upsample(image.new_ones(b, 1, 1, 1), jitter, scale) > 0.0  # (B, 1, s, s)
+    grouped = image.unflatten(3, (-1, pixels)).unflatten(2, (-1, pixels)).permute(0, 1, 3, 5, 2, 4)
+    spread = torch.where(
+        hit[:, :, None, :, None, :, None, None], grouped[:, :, :, None, :, None], image.new_zeros(())
+    )
+    return spread.flatten(4, 5).flatten(2, 3)

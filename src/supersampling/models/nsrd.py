@@ -15,7 +15,9 @@ from supersampling.models.blocks.gated import GatedConvolution
 from supersampling.ops.chain import chain
 from supersampling.ops.resample import check_scale
 from supersampling.ops.warp import warp
+from supersampling.stages.base import Base
 from supersampling.stages.demodulate import Demodulate
+from supersampling.stages.locate import Locate
 from supersampling.stages.motion_mask import MotionMask
 from supersampling.stages.recur import MakeRecur
 
@@ -26,13 +28,15 @@ FEATURES, WIDTH = 32, 64  # supplement, section 4.2
 class History(NamedTuple):
     """What NSRD hands on to the next frame; all tensors are batch first.
 
-    ``inputs``: those of the latest frames, newest first, ``(B, 7, h, w)`` each. ``vectors``: from the latest frame to those
-    before it, ``(B, V, h, w)`` each, one fewer. ``carried``: the recurrent stage's.
+    ``inputs``: those of the latest frames, newest first, ``(B, 7, h, w)`` each, 9 with jitter. ``vectors``: from the latest
+    frame's pixels to those of the frames before it, ``(B, V, h, w)`` each, one fewer. ``carried``: the recurrent stage's.
+    ``located``: what `locate` remembers.
     """
 
     inputs: tuple[Tensor, ...]
     vectors: tuple[Tensor, ...]
     carried: tuple[Tensor, ...]
+    located: tuple[Tensor, ...]
 
 
 class Reconstruction(nn.Module):
@@ -66,10 +70,18 @@ class NSRD(Upsampler[History]):
         previous: how many previous frames are warped, from 1 up; the paper has 2.
         demodulate, motion_mask: stages.
         recur: makes the recurrent stage.
+        locate, base: stages that the paper does not have: jitter, and a connection past the network.
     """
 
     def __init__(
-        self, scale: int, previous: int, demodulate: Demodulate, motion_mask: MotionMask, recur: MakeRecur
+        self,
+        scale: int,
+        previous: int,
+        demodulate: Demodulate,
+        motion_mask: MotionMask,
+        recur: MakeRecur,
+        locate: Locate,
+        base: Base,
     ) -> None:
         super().__init__()
         if previous < 1:
@@ -78,11 +90,14 @@ class NSRD(Upsampler[History]):
             )
         self.scale, self.previous = check_scale(scale), previous
         self.demodulate, self.motion_mask = demodulate, motion_mask
-        self.first = nn.Conv2d(INPUTS, FEATURES, 3, padding=1)
-        self.gated = GatedConvolution(INPUTS + motion_mask.channels, FEATURES)
+        self.locate, self.base = locate, base
+        inputs = INPUTS + locate.channels
+        self.first = nn.Conv2d(inputs, FEATURES, 3, padding=1)
+        self.gated = GatedConvolution(inputs + motion_mask.channels, FEATURES)
         self.recur = recur(channels=(1 + previous) * FEATURES, width=WIDTH, scale=self.scale)
         self.reconstruct = Reconstruction(self.scale)
-        self.requires = demodulate.requires | motion_mask.requires | {"depth", "normal"}
+        self.requires = demodulate.requires | motion_mask.requires | locate.requires | base.requires
+        self.requires |= {"depth", "normal"}
         self.compares = demodulate.compares
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
@@ -101,16 +116,22 @@ class NSRD(Upsampler[History]):
         assert frame.depth is not None
         assert frame.normal is not None
         assert frame.motion is not None
-        current = torch.cat((self.demodulate(frame), frame.depth, frame.normal), dim=1)
+        light = self.demodulate(frame)
+        current = self.locate.append(torch.cat((light, frame.depth, frame.normal), dim=1), frame)
         vectors = self.motion_mask.vectors(frame)
         if state is None:
             # Copies: an exporter takes tensors that are one at tracing time for one ever after.
             vectors = torch.zeros_like(vectors)
             inputs = tuple(current.clone() for _ in range(self.previous))
-            state = History(inputs, tuple(vectors.clone() for _ in inputs[1:]), ())
-        to_each = chain(vectors, state.vectors)
+            state = History(inputs, tuple(vectors.clone() for _ in inputs[1:]), (), ())
+        to_each = chain(self.locate.between_samples(vectors, frame, state.located), state.vectors)
         shallow = torch.cat((self.first(current), self.warped(state.inputs, to_each)), dim=1)
-        features, memory = self.recur(shallow, vectors[:, :2], state.carried)
+        motion = self.locate.at_target(vectors[:, :2], frame, self.scale)
+        features, memory = self.recur(shallow, motion, state.carried)
         # A sum of half-precision products is no place to keep light in.
-        output = self.reconstruct(features).to(current.dtype)
-        return output, History((current, *state.inputs[:-1]), to_each[:-1], self.recur.carry(output, memory))
+        predicted = self.reconstruct(features).to(current.dtype)
+        output = self.base(predicted, light, frame)
+        carried = self.recur.carry(output, memory)
+        return output, History(
+            (current, *state.inputs[:-1]), to_each[:-1], carried, self.locate.remember(frame)
+        )

@@ -1,20 +1,56 @@
-"""Slot ``colour_space``: the space in which a network reads and predicts colour (Xiao et al. 2020, 3.2.5)."""
+"""Slot ``colour_space``: the space in which a network reads and predicts colour (Xiao et al. 2020, 3.2.5).
 
+The slot ``rectify`` bounds history in one of these (Swensen 2021, 2.4.4).
+"""
+
+from abc import ABC, abstractmethod
 from typing import final
 
 import torch
 from torch import Tensor
 
-from supersampling.stages.rectify import RGB, ColourSpace
+from supersampling.ops.colour import rgb_to_ycocg, ycocg_to_rgb
 
-__all__ = ["RGB", "ColourSpace", "YCbCr"]
+
+class ColourSpace(ABC):
+    """An affine map of RGB and its inverse; tensors ``(..., 3, H, W)``, of any range."""
+
+    @abstractmethod
+    def of_rgb(self, rgb: Tensor) -> Tensor: ...
+
+    @abstractmethod
+    def to_rgb(self, color: Tensor) -> Tensor: ...
+
+
+@final
+class RGB(ColourSpace):
+    """The colours as they are."""
+
+    def of_rgb(self, rgb: Tensor) -> Tensor:
+        return rgb
+
+    def to_rgb(self, color: Tensor) -> Tensor:
+        return color
+
+
+@final
+class YCoCg(ColourSpace):
+    """Luma and two chroma axes: a box of bounds often fits the colours more tightly (Karis 2014)."""
+
+    def of_rgb(self, rgb: Tensor) -> Tensor:
+        return rgb_to_ycocg(rgb)
+
+    def to_rgb(self, color: Tensor) -> Tensor:
+        return ycocg_to_rgb(color)
 
 
 @final
 class YCbCr(ColourSpace):
     """Luma and two colour differences of BT.601 in full range, as in JPEG: RGB in [0, 1] gives channels in [0, 1].
 
-    The paper does not say which YCbCr; with the colour differences centred at 0.5 its losses see images of range 1.
+    The paper does not say which YCbCr; with the colour differences centred at 0.5 its losses see images of range 1. Light,
+    which is unbounded, gives luma from 0 up and differences around 0.5 to both sides: nothing is cut, and the offset, an
+    affine map's, is taken off again.
     """
 
     def of_rgb(self, rgb: Tensor) -> Tensor:

@@ -1,9 +1,11 @@
 """Slot ``demodulate``: what a network super-resolves, and how that becomes an image (Li et al. 2024, NSRD, section 3.1)."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import final
 
+import torch
 from torch import Tensor, nn
 
 from supersampling.frames import Frame
@@ -34,6 +36,24 @@ class Demodulate(nn.Module, ABC):
 
 
 @final
+class DisplayColour(Demodulate):
+    """The displayed image itself, in [0, 1]: what methods see that know nothing of light (Xiao et al. 2020)."""
+
+    requires = frozenset({"color"})
+    compares = frozenset({"target"})
+
+    def forward(self, frame: Frame) -> Tensor:
+        assert frame.color is not None
+        return frame.color
+
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        return clip["target"]
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        return output.clamp(0.0, 1.0)
+
+
+@final
 class Demodulated(Demodulate):
     """The lighting component, 0 or more and unbounded, remodulated with the high-resolution material (equations 2 to 4).
 
@@ -56,6 +76,33 @@ class Demodulated(Demodulate):
         assert frame.high_material is not None
         assert frame.high_emission is not None
         return displayed(remodulate(output.clamp(min=0.0), frame.high_material, frame.high_emission))
+
+
+@final
+class LoggedLighting(Demodulate):
+    """``ln(1 + I)`` of the lighting component ``I``, 0 or more.
+
+    A switch of this framework: near a lamp, or on a dark and shiny surface, lighting is thousands of times what it is elsewhere,
+    and single pixels then decide a network's features, gradients and loss. Exact in both directions; outputs are cut to what
+    float16 holds of lighting.
+    """
+
+    requires = Demodulated.requires
+    compares = Demodulated.compares
+    highest = math.log1p(torch.finfo(torch.float16).max)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.linear = Demodulated()
+
+    def forward(self, frame: Frame) -> Tensor:
+        return self.linear(frame).log1p()
+
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        return self.linear.reference(clip).log1p()
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        return self.linear.present(output.clamp(max=self.highest).expm1(), frame)
 
 
 @final

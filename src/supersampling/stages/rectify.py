@@ -11,39 +11,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from supersampling.ops.colour import rgb_to_ycocg, ycocg_to_rgb
-
-
-class ColourSpace(ABC):
-    """Where the axis-aligned bounding box is taken; tensors ``(B, 3, H, W)``."""
-
-    @abstractmethod
-    def of_rgb(self, rgb: Tensor) -> Tensor: ...
-
-    @abstractmethod
-    def to_rgb(self, color: Tensor) -> Tensor: ...
-
-
-@final
-class RGB(ColourSpace):
-    """The colours as they are."""
-
-    def of_rgb(self, rgb: Tensor) -> Tensor:
-        return rgb
-
-    def to_rgb(self, color: Tensor) -> Tensor:
-        return color
-
-
-@final
-class YCoCg(ColourSpace):
-    """Luma and two chroma axes: the box often fits the colours more tightly (Karis 2014)."""
-
-    def of_rgb(self, rgb: Tensor) -> Tensor:
-        return rgb_to_ycocg(rgb)
-
-    def to_rgb(self, color: Tensor) -> Tensor:
-        return ycocg_to_rgb(color)
+from supersampling.stages.colour_space import ColourSpace
 
 
 class Rectify(nn.Module, ABC):
@@ -63,7 +31,7 @@ class NoRectification(Rectify):
 
 @final
 class Clamp(Rectify):
-    """Each channel of the history clamped into the box (the thesis's TUS)."""
+    """Each channel of the history, in ``space``, clamped into the box (the thesis's TUS)."""
 
     def __init__(self, space: ColourSpace) -> None:
         super().__init__()

@@ -7,17 +7,16 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import warp
 
 FEATURES = 32  # of the previous output (supplement, 4.2)
 
 
 class Recur(nn.Module, ABC):
-    """``forward(shallow (B, C, h, w), motion (B, 2, h, w), carried) -> (features (B, width, h, w), memory)``.
+    """``forward(shallow (B, C, h, w), motion (B, 2, s h, s w), carried) -> (features (B, width, h, w), memory)``.
 
-    ``carried`` is what `carry` made of the previous frame's ``memory`` and output, ``()`` on a clip's first frame. Both are
-    tuples of tensors, batch first.
+    ``motion`` is that at the output's pixels, in units of the image. ``carried`` is what `carry` made of the previous frame's
+    ``memory`` and output, ``()`` on a clip's first frame. Both are tuples of tensors, batch first.
     """
 
     @abstractmethod
@@ -58,8 +57,8 @@ class ConvLSTM(nn.Module):
 class Recurrent(Recur):
     """The previous output and a ConvLSTM's state.
 
-    The output is warped by bilinearly upsampled motion, borders repeated, and taken apart into ``3 s**2`` low-resolution
-    channels. A clip's first frame has zeros for it and for the state.
+    The output is warped, borders repeated, and taken apart into ``3 s**2`` low-resolution channels. A clip's first frame has
+    zeros for it and for the state.
 
     Args:
         channels: shallow features ``C``.
@@ -76,14 +75,13 @@ class Recurrent(Recur):
     def forward(
         self, shallow: Tensor, motion: Tensor, carried: tuple[Tensor, ...]
     ) -> tuple[Tensor, tuple[Tensor, ...]]:
-        b, _, h, w = motion.shape
-        size = (h * self.scale, w * self.scale)
+        b, _, height, width = motion.shape
         if carried:
             output, hidden, cell = carried
-            previous = warp(output, upsample_motion(motion, size))
+            previous = warp(output, motion)
         else:
-            previous = motion.new_zeros((b, 3, *size))
-            hidden = cell = motion.new_zeros((b, self.width, h, w))
+            previous = motion.new_zeros((b, 3, height, width))
+            hidden = cell = motion.new_zeros((b, self.width, height // self.scale, width // self.scale))
         before = self.first(F.pixel_unshuffle(previous, self.scale))
         hidden, cell = self.lstm(torch.cat((shallow, before), dim=1), hidden, cell)
         return hidden, (hidden, cell)

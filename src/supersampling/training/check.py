@@ -36,8 +36,7 @@ def check_numbers(cfg: DictConfig) -> None:
             word = "an integer" if kind is int else "a number"
             raise UserError(f"{key}={value} is not possible: use {word} from {low:g} to {high:g}.")
     counted, frames = OmegaConf.select(cfg, "budget.counted"), OmegaConf.select(cfg, "budget.frames")
-    if counted is not None and counted >= frames:
+    if counted is not None and counted > frames:
         raise UserError(
-            f"budget.counted={counted} needs more than budget.frames={frames} frames: count fewer, or unroll "
-            "more."
+            f"budget.counted={counted} are more than budget.frames={frames}: count fewer frames, or unroll more."
         )

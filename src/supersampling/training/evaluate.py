@@ -8,17 +8,15 @@ from typing import Any
 import torch
 from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
-from mlflow.exceptions import MlflowException
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig
 
 from supersampling.data.module import Source, fingerprint
 from supersampling.errors import UserError
 from supersampling.metrics.suite import Suite
 from supersampling.models.base import Upsampler
 from supersampling.training.evaluation import evaluation_requires, metrics_of
-from supersampling.training.fit import load_weights
-from supersampling.training.identity import flat_parameters
-from supersampling.training.job import Result, evaluate, experiment_of, log_result, method_name
+from supersampling.training.job import Result, evaluate, experiment_of, log_result
+from supersampling.training.method import method_of
 from supersampling.training.playback import Playback, recorded_methods
 from supersampling.training.tracking import Experiment
 
@@ -41,15 +39,12 @@ def evaluate_command(cfg: DictConfig) -> None:
     if cfg.capture:
         _score_capture(experiment, cfg)
         return
-    choices = dict(HydraConfig.get().runtime.choices)
-    if cfg.run:
-        model, method, params = _from_run(experiment, cfg)
-    else:
-        model, method, params = _from_config(cfg), method_name(choices), flat_parameters(cfg, choices, False)
+    method = method_of(cfg)
     metrics: Suite = instantiate(cfg.metrics)
-    files = _test_files(cfg, model, metrics)
-    tags = {"ss.kind": "evaluation", "ss.dataset": fingerprint(files, ["target"]), "ss.method": method}
-    _log(experiment, f"evaluate {method}", tags, params, evaluate(model, metrics, files))
+    files = _test_files(cfg, method.model, metrics)
+    tags = {"ss.kind": "evaluation", "ss.dataset": fingerprint(files, ["target"]), "ss.method": method.name}
+    result = evaluate(method.model, metrics, files)
+    _log(experiment, f"evaluate {method.name}", tags, method.parameters, result)
 
 
 def _test_files(cfg: DictConfig, model: Upsampler, metrics: Suite) -> list[Path]:
@@ -86,35 +81,3 @@ def _log(
     experiment.log_params(run_id, params)
     log_result(experiment, run_id, result, {})
     experiment.finish(run_id)
-
-
-def _from_config(cfg: DictConfig) -> Upsampler:
-    model: Upsampler = instantiate(cfg.model)
-    if cfg.checkpoint:
-        load_weights(model, Path(cfg.checkpoint))
-    elif any(p.requires_grad for p in model.parameters()):
-        raise UserError("This method is learned: give its weights with checkpoint=FILE or run=RUN_ID.")
-    return model
-
-
-def _from_run(experiment: Experiment, cfg: DictConfig) -> tuple[Upsampler, str, dict[str, str]]:
-    """Model, method name and parameters of a finished run, with its weights or its tuned constants."""
-    try:
-        run = experiment.client.get_run(cfg.run)
-        trained = OmegaConf.load(experiment.artifact(cfg.run, "config.yaml"))
-    except (MlflowException, OSError) as error:
-        raise UserError(
-            f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow "
-            "UI."
-        ) from error
-    assert isinstance(trained, DictConfig)
-    if trained.task.scale != cfg.task.scale:
-        raise UserError(
-            f"Run {cfg.run} was trained for scale {trained.task.scale}, but task.scale={cfg.task.scale}: set "
-            f"task.scale={trained.task.scale}."
-        )
-    tuned = {k.removeprefix("tuned."): float(v) for k, v in run.data.params.items() if k.startswith("tuned.")}
-    model: Upsampler = instantiate(trained.model, **tuned)
-    if any(p.requires_grad for p in model.parameters()):
-        load_weights(model, experiment.artifact(cfg.run, "checkpoint/last.ckpt"))
-    return model, run.data.tags.get("ss.method", ""), dict(run.data.params)

@@ -13,8 +13,10 @@ from omegaconf import DictConfig, OmegaConf
 
 from supersampling.data.clips import Cut, WholeClips, WindowDataset
 from supersampling.data.module import Loaders
+from supersampling.errors import UserError
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
+from supersampling.training.carry import Carry, content
 from supersampling.training.module import Training, checkpoints
 from supersampling.training.tune import tune
 
@@ -28,7 +30,8 @@ def fit(
     """Train the configured model, from ``folder/last.ckpt`` if there is one; logs ``train/minutes`` and the checkpoint.
 
     The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters; the samples depend on
-    their index alone: so an interrupted run reaches the weights of an uninterrupted one.
+    their index alone: so an interrupted run reaches the weights of an uninterrupted one. It also carries the configuration
+    that it takes to use it: see `supersampling.training.carry`.
     """
     L.seed_everything(cfg.seed, workers=True, verbose=False)
     model: Upsampler = instantiate(cfg.model)
@@ -39,6 +42,7 @@ def fit(
     timer = Timer()
     logger = MLFlowLogger(tracking_uri=experiment.tracking_uri, run_id=run_id)
     last = folder / "last.ckpt"
+    run = experiment.client.get_run(run_id).data
     trainer = L.Trainer(
         **OmegaConf.to_container(cfg.trainer, resolve=True),  # type: ignore[arg-type]
         max_epochs=cfg.budget.epochs,
@@ -47,7 +51,7 @@ def fit(
         log_every_n_steps=cfg.budget.steps,
         num_sanity_val_steps=0,
         enable_model_summary=False,
-        callbacks=[timer, checkpoints(folder)],
+        callbacks=[timer, Carry(content(cfg, run.tags, run.params, run_id)), checkpoints(folder)],
     )
     loaders = make_loaders(cfg, files, model, loss)
     trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
@@ -58,7 +62,16 @@ def fit(
 
 
 def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsampler, loss: Loss) -> Loaders:
-    """The loaders that a configuration asks for, with the buffers that its model and loss read."""
+    """The loaders that a configuration asks for, with the buffers that its model and loss read.
+
+    Raises:
+        UserError: more frames are counted, or read by the loss before them, than there are.
+    """
+    if cfg.budget.counted + loss.previous > cfg.budget.frames:
+        raise UserError(
+            f"budget.counted={cfg.budget.counted} with this loss, which reads {loss.previous} frame before them, needs more "
+            f"than budget.frames={cfg.budget.frames}: count fewer frames, or unroll more."
+        )
     cut = Cut(cfg.budget.crop, cfg.budget.frames, cfg.budget.counted + loss.previous)
     pick, augment = instantiate(cfg.pick), instantiate(cfg.augment)
     requires = model.requires | model.compares | loss.requires | pick.requires
@@ -87,8 +100,6 @@ def load_weights(model: Upsampler, checkpoint: Path) -> None:
     Raises:
         UserError: the file is missing, is no checkpoint, or holds another model.
     """
-    from supersampling.errors import UserError
-
     try:
         content = torch.load(checkpoint, map_location="cpu", weights_only=True)
         prefix = "model."

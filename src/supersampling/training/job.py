@@ -168,8 +168,11 @@ _PUBLISHED = {
     "tus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "rectify": "clamp_rgb"},
     "nsrr": {
         "extract": "learned", "upsample": "zero", "warp_at": "target", "reweight": "learned", "colour_space": "ycbcr",
+        "demodulate": "display", "guides": "none", "base": "none",
     },
-    "nsrd": {"demodulate": "lighting", "motion_mask": "dual", "recur": "convlstm"},
+    "nsrd": {
+        "demodulate": "lighting", "motion_mask": "dual", "recur": "convlstm", "locate": "none", "base": "none",
+    },
     "enss": {
         "flow": "motion_vectors", "history": "blended", "kernel_prediction": "both", "motion_grid": "block",
     },

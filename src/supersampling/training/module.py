@@ -50,12 +50,18 @@ class NotFinite(Exception):
 
 
 def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
-    """Run a model over a clip from its first frame; the outputs of the last ``keep`` frames, ``(B, keep, 3, H, W)``."""
+    """Run a model over a clip from its first frame; the outputs of the last ``keep`` frames, ``(B, keep, 3, H, W)``.
+
+    Of the frames before these only the state is made.
+    """
     length = length_of(clip)
     state, outputs = None, []
     for t in range(length):
-        output, state = model(Frame.of(clip, t), state)
-        if t >= length - keep:
+        frame = Frame.of(clip, t)
+        if t < length - keep:
+            state = model.advance(frame, state)
+        else:
+            output, state = model(frame, state)
             outputs.append(output)
     return torch.stack(outputs, dim=1)
 
@@ -122,14 +128,14 @@ class Training(L.LightningModule):
                 good = [f"{name} = {value.item():.4g}" for name, value in terms.items() if value.isfinite()]
                 raise NotFinite(
                     f"The loss stopped being finite at step {step} (epoch {self.current_epoch}, batch {batch}): "
-                    f"{', '.join(bad)}{', beside ' if good else ''}{', '.join(good)}. Its windows are the items "
-                    f"{self._items(batch)} of the training data set. {KEPT}"
+                    f"{', '.join(bad)}{', beside ' if good else ''}{', '.join(good)}. Its windows: "
+                    f"{'; '.join(self._windows(batch))}. {KEPT}"
                 )
 
-    def _items(self, batch: int) -> list[int]:
-        """The data set's indices in a batch of this epoch: the sampler gives the same ones again."""
+    def _windows(self, batch: int) -> list[str]:
+        """The names of the windows in a batch of this epoch: the sampler gives the same ones again."""
         loader: Any = self.trainer.train_dataloader
-        return list(next(islice(iter(loader.batch_sampler), batch, None)))
+        return [loader.dataset.name(k) for k in next(islice(iter(loader.batch_sampler), batch, None))]
 
     def validation_step(self, clip: dict[str, Tensor], batch_index: int) -> None:
         kept = clip["target"].shape[1]

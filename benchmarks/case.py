@@ -1,0 +1,92 @@
+"""What the benchmarks of a training step share: a composed configuration, its objects, a clip of noise, and the plain step."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import lightning as L
+import torch
+from hydra import compose, initialize_config_dir
+from hydra.utils import instantiate
+from omegaconf import DictConfig
+from torch import Tensor
+from torch.profiler import record_function
+
+ROOT = Path(__file__).resolve().parents[1]
+os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
+
+from supersampling.frames import BUFFERS  # noqa: E402
+from supersampling.losses import Loss  # noqa: E402
+from supersampling.models.base import Upsampler  # noqa: E402
+from supersampling.resolvers import register  # noqa: E402
+from supersampling.training.module import unroll  # noqa: E402
+
+MODELS = ("dlctus", "nsrr", "nsrd", "enss_s", "enss_m")
+
+
+def cases(overrides: list[str]) -> dict[str, DictConfig]:
+    """The configuration of each method at the laptop budget; ``overrides`` are train.py's, ``model=a,b`` chooses methods."""
+    register()
+    said = [o.removeprefix("model=") for o in overrides if o.startswith("model=")]
+    rest = [o for o in overrides if not o.startswith("model=")]
+    if not any(o.startswith("budget=") for o in rest):
+        rest.insert(0, "budget=laptop")
+    with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+        names = said[0].split(",") if said else MODELS
+        return {name: compose("train", [f"model={name}", *rest]) for name in names}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A method with its loss, optimizer, schedule, and a batch in memory; ``kept`` outputs reach the loss."""
+
+    model: Upsampler
+    loss: Loss
+    optimizer: torch.optim.Optimizer
+    scheduler: Any
+    kept: int
+    clip: Mapping[str, Tensor]
+    device: torch.device
+
+    @classmethod
+    def of(cls, cfg: DictConfig) -> "Case":
+        L.seed_everything(0, verbose=False)
+        device = L.Fabric(accelerator=cfg.trainer.accelerator, devices=1).device
+        model, loss = instantiate(cfg.model).to(device), instantiate(cfg.loss).to(device)
+        optimizer = instantiate(cfg.optimizer)(model.parameters())
+        scheduler = instantiate(cfg.budget.scheduler)(optimizer)
+        kept = cfg.budget.counted + loss.previous
+        names = model.requires | model.compares | loss.requires
+        clip = noise(cfg, names, kept, device)
+        return cls(model, loss, optimizer, scheduler, kept, clip, device)
+
+    def step(self) -> None:
+        """One step as plain as it gets, its phases marked for a profiler."""
+        with record_function("forward"):
+            outputs = unroll(self.model, self.clip, self.kept)
+        with record_function("loss"):
+            frames = {name: values[:, -self.kept :] for name, values in self.clip.items()}
+            value = self.loss(outputs, self.model.reference(frames), frames)
+        with record_function("backward"):
+            value.backward()
+        with record_function("optimiser"):
+            self.optimizer.step()
+            self.optimizer.zero_grad()
+            self.scheduler.step()
+
+
+def noise(cfg: DictConfig, names: frozenset[str], kept: int, device: torch.device) -> dict[str, Tensor]:
+    """A batch of what a loader gives, of the same shapes; high-resolution buffers are there for the last ``kept`` frames."""
+    batch, high = cfg.budget.batch, cfg.budget.crop
+    clip = {}
+    for name in sorted(names):
+        buffer = BUFFERS[name]
+        side = {"low": (high // cfg.task.scale,) * 2, "high": (high,) * 2, "frame": ()}[buffer.resolution]
+        frames = kept if buffer.resolution == "high" else cfg.budget.frames
+        values = torch.rand(batch, frames, buffer.channels, *side, device=device)
+        if buffer.kind == "plane":
+            values = (values - 0.5) * (1.0 if buffer.resolution == "frame" else 0.04)
+        clip[name] = values
+    return clip

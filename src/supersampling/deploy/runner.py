@@ -1,0 +1,98 @@
+"""An exported method, run frame by frame outside of PyTorch."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supersampling.deploy.runtimes import Runtime
+from supersampling.errors import UserError
+
+
+def sidecar(path: Path) -> Path:
+    """Where the description of an exported ``FILE.onnx`` lies: ``FILE.json``."""
+    return path.with_suffix(".json")
+
+
+class Runner:
+    """``runner(buffers) -> image``: an exported file's next frame, its state carried on.
+
+    ``buffers`` are float32 arrays by name, as in `Frame`, batch 1; more than are read may be there. The image is
+    ``(1, 3, H, W)``, display-referred in [0, 1].
+
+    Raises:
+        UserError: the file, its description or a buffer is missing, or a size is not taken.
+    """
+
+    def __init__(self, path: Path, runtime: Runtime) -> None:
+        try:
+            self.description: dict[str, Any] = json.loads(sidecar(path).read_text())
+            graphs = {role: path.parent / name for role, name in self.description["graphs"].items()}
+        except (OSError, ValueError, KeyError) as error:
+            raise UserError(
+                f"{sidecar(path)}, which describes {path}, is missing or broken: export.py writes both."
+            ) from error
+        for graph in graphs.values():
+            if not graph.is_file():
+                raise UserError(f"There is no {graph}: export.py writes it, keep the files together.")
+        loaded = {graph: runtime.load(graph) for graph in set(graphs.values())}
+        self._first, self._next = loaded[graphs["first"]], loaded[graphs["next"]]
+        self._inputs: list[str] = [i["name"] for i in self.description["inputs"]]
+        self._slots = [(s["input"], s["output"]) for s in self.description["state"]]
+        self.reset()
+
+    def reset(self) -> None:
+        """The next frame is a clip's first: at the start, after a cut, or when the size changes."""
+        self._state: dict[str, NDArray[Any]] | None = None
+
+    @property
+    def state(self) -> Mapping[str, NDArray[Any]]:
+        """The state's tensors by name, empty before the first frame."""
+        return dict(self._state or {})
+
+    def __call__(self, buffers: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+        missing = [name for name in self._inputs if name not in buffers]
+        if missing:
+            raise UserError(f"{missing[0]} is missing: this method reads {', '.join(self._inputs)}.")
+        values = {name: np.ascontiguousarray(buffers[name]) for name in self._inputs}
+        values.update(self._state or {})
+        self._check(values)
+        results = self._first(values) if self._state is None else self._next(values)
+        self._state = {name: results[output] for name, output in self._slots}
+        return results[self.description["output"]["name"]]
+
+    def _check(self, values: Mapping[str, NDArray[Any]]) -> None:
+        """Hold the values to the described shapes, whose symbols ``h`` and ``w`` the first of them bind."""
+        taken, sides = self.description["size"], dict[str, int]()
+        tensors = [(t["name"], t["shape"]) for t in self.description["inputs"]]
+        tensors += [(s["input"], s["shape"]) for s in self.description["state"]]
+        for name, shape in tensors:
+            if name not in values:  # a state's, on the first frame
+                continue
+            found = values[name].shape
+            if len(found) != len(shape) or not all(_fits(n, axis, sides) for n, axis in zip(found, shape)):
+                raise UserError(
+                    f"{name} has the shape {list(found)}, but this graph takes {shape}{_bound(sides)}: export with "
+                    "size=[width,height] for another size, and reset() after a change of size."
+                )
+        if any(n % taken["multiple_of"] or n < taken["at_least"] for n in sides.values()):
+            raise UserError(
+                f"{sides['w']}x{sides['h']} is not possible: this graph takes multiples of {taken['multiple_of']} from "
+                f"{taken['at_least']} up. Pad the frames, or export with size=[{sides['w']},{sides['h']}]."
+            )
+
+
+def _fits(length: int, axis: int | str, sides: dict[str, int]) -> bool:
+    """Whether an axis of this length is what its description says: a number, ``h``, or ``4*h``."""
+    if isinstance(axis, int):
+        return length == axis
+    times, _, side = axis.rpartition("*")
+    whole = int(times or 1)
+    return length % whole == 0 and sides.setdefault(side, length // whole) == length // whole
+
+
+def _bound(sides: Mapping[str, int]) -> str:
+    return " with " + ", ".join(f"{side} = {n}" for side, n in sides.items()) if sides else ""

@@ -1,0 +1,47 @@
+"""Slot ``base``: what a network's prediction is added to. A switch of this framework: NSRR and NSRD (Xiao et al. 2020, Li et
+al. 2024) have no such connection."""
+
+from abc import ABC, abstractmethod
+from typing import final
+
+from torch import Tensor, nn
+
+from supersampling.frames import Frame
+from supersampling.ops.resample import jitter_aligned_upsample
+
+
+class Base(nn.Module, ABC):
+    """``forward(predicted (B, 3, s h, s w), light (B, 3, h, w), frame) -> output (B, 3, s h, s w)``.
+
+    ``light`` is the network's colour input, of the domain of its output. ``requires`` names what is read of the frame.
+    """
+
+    requires: frozenset[str]
+
+    @abstractmethod
+    def forward(self, predicted: Tensor, light: Tensor, frame: Frame) -> Tensor: ...
+
+
+@final
+class NoBase(Base):
+    """The network's prediction is the output."""
+
+    requires = frozenset[str]()
+
+    def forward(self, predicted: Tensor, light: Tensor, frame: Frame) -> Tensor:
+        return predicted
+
+
+@final
+class JitterAlignedBase(Base):
+    """The prediction is added to the current frame's jitter-aligned bilinear upsampling (Swensen 2021, 4.1.1).
+
+    The network is left with what interpolation lacks, and short trainings begin near the image instead of at black.
+    """
+
+    requires = frozenset({"jitter"})
+
+    def forward(self, predicted: Tensor, light: Tensor, frame: Frame) -> Tensor:
+        assert frame.jitter is not None
+        scale = predicted.shape[-1] // light.shape[-1]
+        return predicted + jitter_aligned_upsample(light, frame.jitter, scale)

@@ -1,0 +1,87 @@
+"""What ``export.py`` writes, says and refuses."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hydra import compose, initialize_config_dir
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
+from omegaconf import open_dict
+
+from supersampling.deploy.check import Difference, compare, recorded_frames
+from supersampling.deploy.command import export_command
+from supersampling.deploy.runner import Runner
+from supersampling.deploy.runtimes import OnnxRuntime
+from supersampling.errors import UserError
+from supersampling.models.jau import JAU
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def configure(tmp_path):
+    def make(*overrides):
+        GlobalHydra.instance().clear()
+        given = ["scene=atrium", "model=jau", "threads=1", "check=4", f"out={tmp_path}/jau.onnx", *overrides]
+        with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+            cfg = compose("export", given, return_hydra_config=True)
+        HydraConfig.instance().set_config(cfg)
+        with open_dict(cfg):
+            del cfg["hydra"]
+        return cfg
+
+    yield make
+    HydraConfig.instance().cfg = None
+
+
+def test_a_method_without_state_is_one_graph_and_runs_on_a_data_set(configure, make_file, tmp_path, capsys):
+    data = make_file(tmp_path, "test", frames=3)
+    export_command(configure("data=files", f"data.test=[{data}]", "frames=data"))
+    said = capsys.readouterr().out
+    assert "onnxruntime: at most" in said
+    assert "openvino: at most" in said
+    assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == ["jau.json", "jau.onnx"]
+    description = json.loads((tmp_path / "jau.json").read_text())
+    assert description["method"] == "jau"
+    assert description["scale"] == 4
+    assert description["graphs"] == {"first": "jau.onnx", "next": "jau.onnx"}
+    assert description["state"] == []
+    assert len(description["jitter"]["sequence"]) == 16
+    runners = {"again": Runner(tmp_path / "jau.onnx", OnnxRuntime(threads=1))}
+    frames = recorded_frames(data, JAU(4).requires, None, 1, 5)
+    assert compare(JAU(4), runners, frames)["again"].largest < 1e-5
+
+
+def test_what_is_too_far_off_is_not_written(configure, monkeypatch, tmp_path):
+    from supersampling.deploy import command
+
+    monkeypatch.setattr(command, "compare", lambda *_: {"openvino": Difference(0.25, 3, 0.1)})
+    with pytest.raises(UserError, match=r"openvino differs from PyTorch by 0.25 at frame 3"):
+        export_command(configure("size=[8,6]"))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("override", "part"),
+    [
+        ("size=[4]", r"size=\[4\]"),
+        ("size=[0,4]", r"size=\[0, 4\]"),
+        ("out=model.pt", "model.pt"),
+        ("kernels=table", "kernels=table"),
+        ("frames=film", "frames=film"),
+        ("check=0", "check=0"),
+        ("tolerance=2", "tolerance=2"),
+        ("model=dlctus", "learned"),
+        ("task.jitter=spiral", "spiral"),
+        ("checkpoint=none.ckpt", "none.ckpt"),
+    ],
+)
+def test_mistakes(override, part, configure):
+    with pytest.raises(UserError, match=part):
+        export_command(configure(override))
+
+
+def test_checkpoint_and_run_exclude_each_other(configure):
+    with pytest.raises(UserError, match="exclude each other"):
+        export_command(configure("checkpoint=a.ckpt", "run=b"))
