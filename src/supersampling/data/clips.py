@@ -75,7 +75,7 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         return {name: torch.from_numpy(values) for name, values in self._augment(item, rng).items()}
 
     def name(self, index: int) -> str:
-        """Which window it is: ``foundry clip 3, frames 1 to 10, at (16, 40)``, counted from 0, the place in low-resolution pixels."""
+        """Which window it is: ``foundry clip 3, frames 1 to 10, at (16, 40)``, from 0, the place in low-resolution pixels."""
         if self._stores is None:
             self._stores = self._open()
         _, place = self._place(index)
