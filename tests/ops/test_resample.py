@@ -1,4 +1,5 @@
 import math
+from fractions import Fraction
 
 import pytest
 import torch
@@ -11,6 +12,7 @@ from supersampling.ops.resample import (
     upsample_motion,
     zero_upsample,
 )
+from supersampling.render.jitter import jitter_sequence
 
 JITTERS = torch.tensor([[0.0, 0.0], [-0.5, -0.5], [0.375, -0.125], [-0.2, 0.49]], dtype=torch.float64)
 
@@ -62,6 +64,19 @@ def test_zero_upsampling_puts_each_sample_where_it_was_taken(scale):
                 column = math.floor((j + 0.5 + jitter[b, 0].item()) * scale)
                 expected[b, :, row, column] = image[b, :, i, j]
     assert torch.equal(zero_upsample(image, jitter, scale), expected)
+
+
+@pytest.mark.parametrize("scale", [2, 3, 4, 5, 6])
+def test_a_sample_on_a_boundary_goes_where_exact_arithmetic_puts_it(scale):
+    """Halton's thirds: of float32, of jitter that was stored in half precision, and a rounding step to either side."""
+    jitter = torch.from_numpy(jitter_sequence("halton16", scale))
+    inside = [[Fraction(v + 0.5).limit_denominator(81) for v in row] for row in jitter.double().tolist()]
+    exact = [[math.floor(v * scale) for v in row] for row in inside]
+    ones = torch.ones(len(jitter), 1, 1, 1)
+    infinity = torch.full_like(jitter, torch.inf)
+    for known in (jitter, jitter.half().float(), jitter.nextafter(infinity), jitter.nextafter(-infinity)):
+        found = zero_upsample(ones, known, scale)[:, 0].nonzero()
+        assert found[:, [2, 1]].tolist() == exact
 
 
 def test_motion_upsampling_keeps_image_units():

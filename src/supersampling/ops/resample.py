@@ -10,6 +10,9 @@ from torch import Tensor
 
 from supersampling.errors import UserError
 
+# Of a target pixel. Jitter that was stored in half precision is off by less, at every scale up to 6.
+BOUNDARY = 2.0**-8
+
 
 def check_scale(scale: int) -> int:
     """The scale itself; raises `UserError` unless it is a whole number from 1 up."""
@@ -52,12 +55,13 @@ def zero_upsample(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
     """Put every pixel at the target pixel that holds its sample, zeros elsewhere (Swensen 2021, 4.1.1 and
     A.1).
 
-    The place in each ``s x s`` block is ``floor((jitter + 0.5) * s)``. Shapes as in
-    `jitter_aligned_upsample`.
+    The place in each ``s x s`` block is ``floor((jitter + 0.5) * s)``. A sample less than `BOUNDARY` before a target pixel is
+    that pixel's: Halton's thirds lie on boundaries at scales 3 and 6, where rounding would decide, each program's in its own way.
+    Shapes as in `jitter_aligned_upsample`.
     """
     b, c, h, w = image.shape
     # A jitter one rounding step below 0.5 would otherwise land in the next block.
-    place = torch.floor((jitter + 0.5) * scale).clamp(0, scale - 1)
+    place = torch.floor((jitter + 0.5) * scale + BOUNDARY).clamp(0, scale - 1)
     steps = torch.arange(scale, device=image.device)
     hit = (place[:, 1, None, None] == steps[:, None]) & (
         place[:, 0, None, None] == steps
