@@ -5,8 +5,11 @@ from pathlib import Path
 import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
+
+from supersampling.training.job import _baselines, method_name
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -59,3 +62,17 @@ def test_the_thesis_recipe_is_the_thesis_s():
     assert [cfg.data[s].clips for s in ("train", "val", "test")] == [80, 10, 10]
     assert cfg.data.train.frames == 60
     assert cfg.data.train.samples**2 == 64
+
+
+@pytest.mark.parametrize("override", [c for c in CASES if c.startswith(("experiment", "sweeps"))])
+def test_its_baselines_are_the_same_job_with_another_method(override):
+    cfg = composed(override, "task.scale=3", "loss=l1")
+    HydraConfig.instance().set_config(cfg)
+    with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+        jobs = _baselines(cfg)
+    assert [method_name(choices) for _, choices in jobs] == ["bicubic", "jau", "tus", "tus rectify=none"]
+    for job, _ in jobs:
+        assert instantiate(job.model).scale == 3
+        kept = [OmegaConf.to_yaml(c[key], resolve=True) for c in (job, cfg) for key in ("task", "data")]
+        assert kept[:2] == kept[2:]
+    assert [bool(OmegaConf.select(job, "tune.grid")) for job, _ in jobs] == [False, False, True, True]

@@ -1,5 +1,6 @@
 """One job of ``train.py``: render what is missing, find or begin its run, fit, score, log."""
 
+import copy
 import os
 import tempfile
 from collections.abc import Mapping
@@ -48,18 +49,22 @@ def train(cfg: DictConfig) -> None:
 
 
 def _baselines(cfg: DictConfig) -> list[tuple[DictConfig, dict[str, str]]]:
-    """Each baseline composed as this job is, but for its method."""
+    """This job with each baseline's method, and how that is tuned, in place of its own."""
     hydra = HydraConfig.get()
-    kept = [
-        o for o in hydra.overrides.task if not o.lstrip("+~").startswith(("model", "loss", "sweeps", "tune"))
-    ]
+    theirs = ("model", "tune")
     jobs = []
     for baseline in cfg.baselines:
-        composed = compose(hydra.job.config_name, [*kept, *baseline], return_hydra_config=True)
-        choices = dict(composed.hydra.runtime.choices)
-        with open_dict(composed):
-            del composed["hydra"]
-        jobs.append((composed, choices))
+        # By itself: an experiment swaps stages of a method that this one lacks.
+        composed = compose(hydra.job.config_name, list(baseline), return_hydra_config=True)
+        ours = {k: v for k, v in hydra.runtime.choices.items() if k.split("/")[0] not in theirs}
+        method = {k: v for k, v in composed.hydra.runtime.choices.items() if k.split("/")[0] in theirs}
+        job = copy.deepcopy(cfg)
+        with open_dict(job):
+            for key in theirs:
+                job.pop(key, None)
+                if key in composed:
+                    job[key] = composed[key]
+        jobs.append((job, ours | method))
     return jobs
 
 
