@@ -180,7 +180,9 @@ def test_dlctus(tmp_path):
         ("nsrr", ["model.previous=2"]),
         ("nsrr", ["model.previous=2", "model/warp_at=low", "task.scale=3"]),
         ("nsrd", []),
+        ("nsrd", ["model/locate=jitter", "model/base=jitter_aligned", "model/demodulate=log_lighting"]),
         ("enss_s", ["model.kernel_prediction.width=64"]),
+        ("enss_s", ["model.kernel_prediction.width=64", "model/flow=jittered"]),
         ("tus", []),
     ],
 )

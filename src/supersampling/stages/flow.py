@@ -29,7 +29,9 @@ def compensate_jitter(motion: Tensor, jitter: Tensor, previous: Tensor) -> Tenso
         jitter, previous: ``(B, 2)`` of this frame and the previous one, low-resolution pixels.
     """
     h, w = motion.shape[-2:]
-    return motion + ((previous - jitter) / jitter.new_tensor((w, h)))[..., None, None]
+    change = previous - jitter
+    # Not divided by a tensor of (w, h), which an exporter takes for two constants.
+    return motion + torch.stack((change[:, 0] / w, change[:, 1] / h), dim=-1)[..., None, None]
 
 
 class Flow(nn.Module, ABC):

@@ -97,7 +97,9 @@ class LocatedByJitter(Locate):
         if not memory:
             return vectors
         _, count, h, w = vectors.shape
-        shift = (frame.jitter - memory[0]) / frame.jitter.new_tensor((w, h))
+        change = frame.jitter - memory[0]
+        # Not divided by a tensor of (w, h), which an exporter takes for two constants.
+        shift = torch.stack((change[:, 0] / w, change[:, 1] / h), dim=-1)
         return vectors + F.pad(shift, (0, count - 2))[..., None, None]
 
     def at_target(self, motion: Tensor, frame: Frame, scale: int) -> Tensor:
