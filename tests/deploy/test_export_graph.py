@@ -182,7 +182,6 @@ def test_dlctus(tmp_path):
         ("nsrd", []),
         ("nsrd", ["model/locate=jitter", "model/base=jitter_aligned", "model/demodulate=log_lighting"]),
         ("enss_s", ["model.kernel_prediction.width=64"]),
-        ("enss_s", ["model.kernel_prediction.width=64", "model/flow=jittered"]),
         ("tus", []),
     ],
 )
