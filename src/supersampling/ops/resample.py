@@ -70,6 +70,12 @@ def zero_upsample(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
     return spread.reshape(b, c, h * scale, w * scale)
 
 
+def jitter_as_motion(change: Tensor, height: int, width: int) -> Tensor:
+    """A difference of jitters ``(B, 2)`` in low-resolution pixels as motion ``(B, 2, 1, 1)`` in units of an ``h x w`` image."""
+    # Not divided by a tensor of (w, h), which an exporter takes for two constants.
+    return torch.stack((change[:, 0] / width, change[:, 1] / height), dim=-1)[:, :, None, None]
+
+
 def upsample_motion(motion: Tensor, size: tuple[int, int]) -> Tensor:
     """Bilinear upsampling of motion ``(B, 2, h, w)`` to ``(B, 2, H, W)``; image units need no rescaling."""
     return F.interpolate(motion, size=size, mode="bilinear", align_corners=False)

@@ -14,6 +14,7 @@ from torchvision.models import get_model
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.ops.pretrained import load_pretrained
+from supersampling.ops.resample import jitter_as_motion
 
 LUMA = (0.2126, 0.7152, 0.0722)  # Rec. 709
 SMALLEST = 4  # pixels a side; below, TV-L1 has no neighbourhood to work on
@@ -29,9 +30,7 @@ def compensate_jitter(motion: Tensor, jitter: Tensor, previous: Tensor) -> Tenso
         jitter, previous: ``(B, 2)`` of this frame and the previous one, low-resolution pixels.
     """
     h, w = motion.shape[-2:]
-    change = previous - jitter
-    # Not divided by a tensor of (w, h), which an exporter takes for two constants.
-    return motion + torch.stack((change[:, 0] / w, change[:, 1] / h), dim=-1)[..., None, None]
+    return motion + jitter_as_motion(previous - jitter, h, w)
 
 
 class Flow(nn.Module, ABC):

@@ -19,7 +19,7 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 from supersampling.frames import Frame
-from supersampling.ops.resample import jitter_aligned_upsample, upsample_motion
+from supersampling.ops.resample import jitter_aligned_upsample, jitter_as_motion, upsample_motion
 
 
 class Locate(nn.Module, ABC):
@@ -97,10 +97,8 @@ class LocatedByJitter(Locate):
         if not memory:
             return vectors
         _, count, h, w = vectors.shape
-        change = frame.jitter - memory[0]
-        # Not divided by a tensor of (w, h), which an exporter takes for two constants.
-        shift = torch.stack((change[:, 0] / w, change[:, 1] / h), dim=-1)
-        return vectors + F.pad(shift, (0, count - 2))[..., None, None]
+        shift = jitter_as_motion(frame.jitter - memory[0], h, w)
+        return vectors + F.pad(shift, (0, 0, 0, 0, 0, count - 2))
 
     def at_target(self, motion: Tensor, frame: Frame, scale: int) -> Tensor:
         assert frame.jitter is not None

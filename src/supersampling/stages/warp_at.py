@@ -7,10 +7,9 @@ silent on it, and Swensen 2021, 4.1.2, says that it pads with zeros.
 from abc import ABC, abstractmethod
 from typing import final
 
-import torch
 from torch import Tensor, nn
 
-from supersampling.ops.resample import upsample_motion
+from supersampling.ops.resample import jitter_as_motion, upsample_motion
 from supersampling.ops.warp import outside, warp
 from supersampling.stages.upsample import Upsample
 
@@ -77,9 +76,7 @@ class LowResolution(WarpAt):
     def forward(self, state: State, motion: Tensor, jitter: Tensor) -> Tensor:
         window, previous_jitter = state
         height, width = window.shape[-2:]
-        shift = jitter - previous_jitter
-        moved = torch.stack((shift[:, 0] / width, shift[:, 1] / height), dim=-1)
-        return _warp(window, motion + moved[:, :, None, None])
+        return _warp(window, motion + jitter_as_motion(jitter - previous_jitter, height, width))
 
     def leave(self, window: Tensor, jitter: Tensor, scale: int, upsample: Upsample) -> Tensor:
         return upsample(window, jitter, scale)

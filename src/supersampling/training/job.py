@@ -68,6 +68,11 @@ def _baselines(cfg: DictConfig) -> list[tuple[DictConfig, dict[str, str]]]:
     return jobs
 
 
+def is_learned(model: Upsampler) -> bool:
+    """Whether there is anything to train."""
+    return any(p.requires_grad for p in model.parameters())
+
+
 def required_buffers(cfg: DictConfig) -> frozenset[str]:
     """All that a configuration reads: what its model and metrics read and, if it is trained, its loss and choice of windows."""
     return _required(cfg, instantiate(cfg.model))
@@ -75,7 +80,7 @@ def required_buffers(cfg: DictConfig) -> frozenset[str]:
 
 def _required(cfg: DictConfig, model: Upsampler) -> frozenset[str]:
     names = evaluation_requires(model, instantiate(cfg.metrics))
-    if any(p.requires_grad for p in model.parameters()):
+    if is_learned(model):
         names |= model.compares | instantiate(cfg.loss).requires | instantiate(cfg.pick).requires
     return names
 
@@ -93,7 +98,7 @@ class Job:
     def run(self) -> None:
         """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint."""
         model: Upsampler = instantiate(self.cfg.model)
-        learned = any(p.requires_grad for p in model.parameters())
+        learned = is_learned(model)
         names = _required(self.cfg, model)
         key = identity(self.cfg, {s: fingerprint(f, names) for s, f in self.files.items()}, learned)
         folder = Path(self.cfg.paths.checkpoints) / key

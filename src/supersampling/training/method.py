@@ -15,7 +15,7 @@ from supersampling.models.base import Upsampler
 from supersampling.training.carry import build, carried
 from supersampling.training.fit import load_weights
 from supersampling.training.identity import flat_parameters
-from supersampling.training.job import experiment_of, method_name
+from supersampling.training.job import experiment_of, is_learned, method_name
 from supersampling.training.tracking import Experiment
 
 
@@ -27,10 +27,6 @@ class Method:
     name: str
     parameters: Mapping[str, Any]
     origin: Mapping[str, str] = field(default_factory=dict)
-
-
-def learned(model: Upsampler) -> bool:
-    return any(p.requires_grad for p in model.parameters())
 
 
 def method_of(cfg: DictConfig) -> Method:
@@ -45,7 +41,7 @@ def method_of(cfg: DictConfig) -> Method:
     if cfg.checkpoint:
         return _of_checkpoint(cfg)
     model: Upsampler = instantiate(cfg.model)
-    if learned(model):
+    if is_learned(model):
         raise UserError("This method is learned: give its weights with checkpoint=FILE or run=RUN_ID.")
     return _configured(cfg, model)
 
@@ -80,7 +76,7 @@ def _of_run(experiment: Experiment, cfg: DictConfig) -> Method:
         ) from error
     tuned = {k.removeprefix("tuned."): float(v) for k, v in run.data.params.items() if k.startswith("tuned.")}
     model = _agreed(cfg, trained["model"], trained["task"], f"Run {cfg.run}", **tuned)
-    if learned(model):
+    if is_learned(model):
         load_weights(model, experiment.artifact(cfg.run, "checkpoint/last.ckpt"))
     tags = run.data.tags
     origin = {
