@@ -27,7 +27,7 @@ from supersampling.data.spec import SPLITS  # noqa: E402
 from supersampling.entry import run  # noqa: E402
 from supersampling.resolvers import register  # noqa: E402
 from supersampling.training.fit import make_loaders  # noqa: E402
-from supersampling.training.job import required_buffers  # noqa: E402
+from supersampling.training.job import fitting_buffers  # noqa: E402
 from supersampling.training.module import Training, unroll  # noqa: E402
 
 STEPS = 30
@@ -103,7 +103,7 @@ def help_seconds() -> float:
 def measure(cfg: DictConfig) -> None:
     torch.set_num_threads(cfg.threads)
     source = instantiate(cfg.data)
-    files = source.files(SPLITS, required_buffers(cfg))
+    files = source.files(SPLITS, fitting_buffers(cfg))
     print(
         f"{cfg.threads} threads, {cfg.workers} loading processes, batch {cfg.budget.batch} of {cfg.budget.frames} frames"
     )

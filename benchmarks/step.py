@@ -25,7 +25,7 @@ from where import PARTS, Spent, where_it_goes
 
 from supersampling.entry import run
 from supersampling.training.fit import make_loaders
-from supersampling.training.job import required_buffers
+from supersampling.training.job import fitting_buffers
 from supersampling.training.module import Training
 
 WARM_UP = 2
@@ -80,7 +80,7 @@ def project_loop(cfg: DictConfig, steps: int) -> list[float]:
 
 def data(cfg: DictConfig, case: Case, steps: int) -> tuple[float, float]:
     """Seconds a batch: of making it in this process, and of waiting for it while steps compute, as train.py loads."""
-    files = instantiate(cfg.data).files(("train",), required_buffers(cfg))
+    files = instantiate(cfg.data).files(("train",), fitting_buffers(cfg))
     files = {"train": files["train"], "val": []}
     means = []
     for workers, between in ((0, lambda: None), (cfg.workers, case.step)):

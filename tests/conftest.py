@@ -7,7 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from hydra import compose, initialize_config_dir
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
 from numpy.typing import NDArray
+from omegaconf import DictConfig, open_dict
 
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.writer import ClipWriter, join_clips
@@ -103,6 +107,23 @@ def make_file() -> Callable[..., Path]:
         return path
 
     return make
+
+
+@pytest.fixture
+def entry() -> Iterator[Callable[..., DictConfig]]:
+    """The configuration that an entry point's function gets: ``entry("evaluate", "scene=atrium", ...)``."""
+
+    def make(name: str, *overrides: str) -> DictConfig:
+        GlobalHydra.instance().clear()
+        with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+            cfg = compose(name, list(overrides), return_hydra_config=True)
+        HydraConfig.instance().set_config(cfg)
+        with open_dict(cfg):
+            del cfg["hydra"]
+        return cfg
+
+    yield make
+    HydraConfig.instance().cfg = None
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ COMMANDS = sorted(
         line.strip()
         for page in PAGES
         for line in re.findall(
-            r"^ {4}(python (?:train|render|show|count|evaluate|export|report)\.py.*)$",
+            r"^ {4}(python (?:train|render|show|count|evaluate|export|report|compare)\.py.*)$",
             page.read_text(),
             re.MULTILINE,
         )
@@ -79,7 +79,7 @@ SMALL = {
 }
 ORDER = {"count": 0, "render": 0, "show": 1, "train": 2, "evaluate": 3, "export": 3, "report": 4}
 # What needs files of the user's, or hours.
-UNRUN = r"RUN_ID|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"
+UNRUN = r"RUN_ID|compare|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"
 RUNNABLE = [c for c in COMMANDS if not re.search(UNRUN, c)]
 
 

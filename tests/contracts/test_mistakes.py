@@ -22,7 +22,7 @@ def run(root: Path, script: str, *overrides: str, **environment: str) -> tuple[i
 def own(make_file, tmp_path):
     """Overrides that name files of the test's own."""
     names = {split: make_file(tmp_path, split) for split in ("train", "val", "test")}
-    return ["data=files", "scene=atrium", *(f"data.{s}=[{p}]" for s, p in names.items())]
+    return ["data=files", "metrics=fast", "scene=atrium", *(f"data.{s}=[{p}]" for s, p in names.items())]
 
 
 CASES = {

@@ -15,7 +15,15 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.parametrize("path", sorted((ROOT / "notebooks").glob("*.ipynb")), ids=lambda p: p.stem)
 def test_it_runs(path, make_file, tmp_path, monkeypatch):
     files = [f"data.{s}=[{make_file(tmp_path, s)}]" for s in ("train", "val", "test")]
-    job = ["data=files", "scene=atrium", *files, "budget=smoke", "model=bicubic", f"paths.root={tmp_path}"]
+    job = [
+        "data=files",
+        "metrics=capture",
+        "scene=atrium",
+        *files,
+        "budget=smoke",
+        "model=bicubic",
+        f"paths.root={tmp_path}",
+    ]
     # Named outright: mlflow leaves the last store of this process in the environment, which would win.
     job.append(f"logger.tracking_uri=sqlite:///{tmp_path}/mlflow.db")
     baselines = "baselines=[['model=jau']]"

@@ -15,10 +15,12 @@ from supersampling.data.readers.importing import import_capture
 from supersampling.data.readers.qrisp import baseline_images, decode_depth
 from supersampling.data.store import Store
 from supersampling.errors import UserError
-from supersampling.metrics.suite import Image as ImageMetric
-from supersampling.metrics.suite import Suite
-from supersampling.training.job import evaluate
-from supersampling.training.playback import recorded_methods
+from supersampling.evaluation.playback import recorded_methods
+from supersampling.evaluation.protocol import Protocol
+from supersampling.evaluation.result import evaluate
+from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.prepare import Continuous
+from supersampling.metrics.still import PSNR
 
 LOW = Path("TestSet/World/540p")
 MOTION = LOW / "MotionVectorsMipBiasMinus1Jittered"
@@ -152,7 +154,10 @@ def test_baselines_become_rows(capture, tmp_path):
     (file,) = import_capture("qrisp", capture, tmp_path, scale=2)
     store = Store(file)
     methods = recorded_methods(capture, [file])
-    scored = {name: evaluate(model, Suite([ImageMetric()]), [file]).frames for name, model in methods.items()}
+    scored = {
+        name: evaluate(model, Metrics([PSNR()]), Protocol(Continuous()), [file]).frames
+        for name, model in methods.items()
+    }
     assert {name: len(frames) for name, frames in scored.items()} == {"DLSS": 2 * 5, "FSR": 2 * 5}
     assert (scored["FSR"]["psnr"] == 100.0).all()
     power = float(np.square(store.read("target", 1, slice(4, 5)), dtype=np.float64).mean())

@@ -4,10 +4,6 @@ import json
 from pathlib import Path
 
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.core.global_hydra import GlobalHydra
-from hydra.core.hydra_config import HydraConfig
-from omegaconf import open_dict
 
 from supersampling.deploy.check import Difference, compare, recorded_frames
 from supersampling.deploy.command import export_command
@@ -20,19 +16,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
-def configure(tmp_path):
-    def make(*overrides):
-        GlobalHydra.instance().clear()
-        given = ["scene=atrium", "model=jau", "threads=1", "check=4", f"out={tmp_path}/jau.onnx", *overrides]
-        with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-            cfg = compose("export", given, return_hydra_config=True)
-        HydraConfig.instance().set_config(cfg)
-        with open_dict(cfg):
-            del cfg["hydra"]
-        return cfg
-
-    yield make
-    HydraConfig.instance().cfg = None
+def configure(entry, tmp_path):
+    given = ["scene=atrium", "model=jau", "threads=1", "check=4", f"out={tmp_path}/jau.onnx"]
+    return lambda *overrides: entry("export", *given, *overrides)
 
 
 def test_a_method_without_state_is_one_graph_and_runs_on_a_data_set(configure, make_file, tmp_path, capsys):

@@ -18,7 +18,7 @@ SECONDS = 120
 def begin(root, files):
     data = [f"data.{split}=[{path}]" for split, path in files.items()]
     settings = [
-        "data=files", *data, "scene=atrium", "baselines=[]", "budget=smoke", "budget.epochs=8", "budget.steps=8",
+        "data=files", "metrics=fast", *data, "scene=atrium", "baselines=[]", "budget=smoke", "budget.epochs=8", "budget.steps=8",
         "threads=1", "workers=0", "trainer.enable_progress_bar=false", f"paths.root={root}",
     ]  # fmt: skip
     command = [sys.executable, "train.py", "-m", *settings, "model=dlctus", "loss.theta=0.1,0.5"]

@@ -156,9 +156,25 @@ class WholeClips(Dataset[dict[str, Tensor]]):
     def __len__(self) -> int:
         return len(self._clips)
 
+    @property
+    def frames(self) -> int:
+        """Of all clips together."""
+        return sum(store.spec.frames for store, _ in self._clips)
+
     def name(self, index: int) -> ClipName:
         store, clip = self._clips[index]
         return ClipName(store.spec.scene, clip)
+
+    def length(self, index: int) -> int:
+        """Frames of a clip."""
+        return self._clips[index][0].spec.frames
+
+    def read_frames(self, index: int) -> Iterator[dict[str, Tensor]]:
+        """A clip as parts of one frame, ``(1, ...)`` each, for files with a target for every frame."""
+        store, clip = self._clips[index]
+        for t in range(store.spec.frames):
+            part = slice(t, t + 1)
+            yield {name: torch.from_numpy(store.read(name, clip, part)) for name in sorted(self._requires)}
 
     def __getitem__(self, index: int) -> dict[str, Tensor]:
         store, clip = self._clips[index]

@@ -51,7 +51,7 @@ class Files(Source):
             if missing:
                 raise UserError(
                     f"{path} has no {missing[0]}, which this configuration reads: render or import it with "
-                    f"buffers=[{','.join(missing)}], or choose a method that does without."
+                    f"buffers=[{','.join(missing)}], or choose a method and metrics (metrics=capture) that do without."
                 )
         return paths
 

@@ -7,19 +7,24 @@ from typing import final
 
 from torch import Tensor
 
-from supersampling.metrics.image import mssim_thesis, psnr, ssim_gauss11
 from supersampling.metrics.temporal import spatial_loss, temporal_loss
 
 
 @dataclass(frozen=True)
 class Moment:
     """A method's output beside the target, ``(1, 3, H, W)`` in [0, 1]; the previous two, none on a clip's first frame;
-    and the low-resolution motion ``(1, 2, h, w)`` where a metric asked for it."""
+    and the low-resolution motion and dual motion ``(1, 2, h, w)`` where a metric asked for them.
+
+    ``radiance``: the output's and the target's linear radiance, ``(1, 3, H, W)`` in [0, 65504] each, where a metric asked for
+    ``target_radiance``; None of a method that knows display colours alone. ``size`` is the rendered ``(h, w)``."""
 
     output: Tensor
     target: Tensor
-    previous: tuple[Tensor, Tensor] | None
-    motion: Tensor | None
+    previous: tuple[Tensor, Tensor] | None = None
+    motion: Tensor | None = None
+    motion_dual: Tensor | None = None
+    radiance: tuple[Tensor, Tensor] | None = None
+    size: tuple[int, int] | None = None
 
 
 class Metric(ABC):
@@ -30,19 +35,6 @@ class Metric(ABC):
 
     @abstractmethod
     def __call__(self, moment: Moment) -> dict[str, float]: ...
-
-
-@final
-class Image(Metric):
-    """``psnr`` in dB, ``ssim`` (Gaussian 11, sigma 1.5) and ``mssim_thesis`` of each frame."""
-
-    names = ("psnr", "ssim", "mssim_thesis")
-    requires = frozenset({"target"})
-
-    def __call__(self, moment: Moment) -> dict[str, float]:
-        output, target = moment.output, moment.target
-        values = (psnr(output, target), ssim_gauss11(output, target), mssim_thesis(output, target))
-        return dict(zip(self.names, (value.item() for value in values)))
 
 
 @final

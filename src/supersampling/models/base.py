@@ -32,6 +32,10 @@ class Upsampler(nn.Module, ABC, Generic[State]):
         """The display-referred image ``(B, 3, H, W)`` in [0, 1] of an output of this ``frame``."""
         return output
 
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
+        """The linear radiance ``(B, 3, H, W)`` of an output; None of a method that knows display colours alone."""
+        return None
+
     @abstractmethod
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]: ...
 

@@ -106,6 +106,9 @@ class NSRD(Upsampler[History]):
     def present(self, output: Tensor, frame: Frame) -> Tensor:
         return self.demodulate.present(output, frame)
 
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
+        return self.demodulate.radiance(output, frame)
+
     def warped(self, inputs: tuple[Tensor, ...], vectors: tuple[Tensor, ...]) -> Tensor:
         """Features of the warped previous frames, ``(B, 32 * previous, h, w)`` (section 3.2); the weights are shared."""
         to_there = torch.cat(vectors)

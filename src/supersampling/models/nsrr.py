@@ -179,6 +179,9 @@ class NSRR(Upsampler[State]):
     def present(self, output: Tensor, frame: Frame) -> Tensor:
         return self.demodulate.present(self.colour_space.to_rgb(output), frame)
 
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
+        return self.demodulate.radiance(self.colour_space.to_rgb(output), frame)
+
     def advance(self, frame: Frame, state: State | None) -> State:
         return self.previous_frames.advance(self._samples(frame), frame, state)
 

@@ -21,6 +21,7 @@ from supersampling.reporting.overview import Method
 from supersampling.reporting.published import Paper, load_paper
 from supersampling.reporting.runs import Experiment, Run, Store
 from supersampling.reporting.selection import Choice, choose
+from supersampling.reporting.typed import as_typed
 
 Data = dict[str, Any]
 
@@ -37,7 +38,7 @@ def write_report(cfg: DictConfig) -> Path:
         build = Path(folder)
         store = Store(str(cfg.tracking_uri), build / "artifacts")
         experiment = store.experiment(str(cfg.experiment))
-        choice = choose(experiment.runs, _text(cfg.dataset), _text(cfg.budget))
+        choice = choose(experiment.runs, as_typed(cfg, "dataset"), _text(cfg.budget))
         made = build / "made"
         made.mkdir()
         data = _content(paper, store, experiment, choice, made)
@@ -62,7 +63,7 @@ def _content(paper: Paper, store: Store, experiment: Experiment, choice: Choice,
     """What the template prints; tables and figures are also written to ``made``."""
     pool = choice.pools[choice.setting]
     every = [run for runs in choice.pools.values() for run in runs]
-    clips = store.tables(every, "clips.json")
+    clips = store.tables(every, "clips")
     found = overview.methods(pool, paper)
     leading = [method for method in found if method.leading]
     leading_runs = [run for method in leading for run in method.runs]
@@ -75,9 +76,7 @@ def _content(paper: Paper, store: Store, experiment: Experiment, choice: Choice,
     for item in filled:
         rows = pd.DataFrame(tables.long_form(item, paper))
         rows.to_csv(f"{stem}_table{item.table.number}.csv", index=False, lineterminator="\n")
-    frames = figures.frames_figure(
-        leading, store.tables(leading_runs, "frames.json"), Path(f"{stem}_frames.pdf")
-    )
+    frames = figures.frames_figure(leading, store.tables(leading_runs, "frames"), Path(f"{stem}_frames.pdf"))
     training = figures.training_figure(found, store, Path(f"{stem}_training.pdf"))
     pictures = crops.crop_table(leading, store.folders(leading_runs, "crops"), made)
     cells = _cells(found, filled)

@@ -1,7 +1,8 @@
-"""From runs' logged clip tables to means and paired differences, averaged over seeds, with intervals over clips."""
+"""From runs' logged clip tables to means and paired differences with intervals over scenes, clips and seeds."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,24 +11,29 @@ from supersampling.reporting.runs import Run
 from supersampling.reporting.statistics import Estimate, bootstrap_mean, paired_difference
 
 ClipTables = Mapping[str, pd.DataFrame]
+PLACE = ["scene", "clip"]
 
 
-def clip_means(runs: Sequence[Run], tables: ClipTables) -> pd.DataFrame | None:
-    """Mean over seeds of the logged metrics, one row a clip, indexed by ``(scene, clip)``; ``None`` if none was logged."""
-    found = [tables[run.id] for run in runs if run.id in tables]
-    if not found:
+def clip_scores(runs: Sequence[Run], metric: str, tables: ClipTables) -> pd.DataFrame | None:
+    """A metric's values, a row for each clip ``(scene, clip)`` that every run has a value of, a column for each run.
+
+    ``None`` where no run logged the metric.
+    """
+    logged = [tables[run.id] for run in runs if run.id in tables and metric in tables[run.id]]
+    if not logged:
         return None
-    return pd.concat(found).groupby(["scene", "clip"], sort=True).mean(numeric_only=True)
+    columns = [table.set_index(PLACE)[metric].astype(np.float64) for table in logged]
+    return pd.concat(columns, axis=1, join="inner", keys=range(len(columns))).dropna().sort_index()
 
 
 def estimate(runs: Sequence[Run], metric: str, tables: ClipTables) -> Estimate | None:
-    """A metric's mean over clips and seeds with its interval over clips.
+    """A metric's mean over clips and seeds with its interval.
 
     Runs without a clip table fall back to their logged average, which has no interval.
     """
-    clips = clip_means(runs, tables)
-    if clips is not None and metric in clips:
-        return bootstrap_mean(clips[metric].to_numpy(dtype=np.float64))
+    scores = clip_scores(runs, metric, tables)
+    if scores is not None and len(scores):
+        return bootstrap_mean(scores.to_numpy().T, scenes_of(scores))
     logged = [run.metrics[f"test/{metric}"] for run in runs if f"test/{metric}" in run.metrics]
     return Estimate(float(np.mean(logged)), math.nan, math.nan, 0) if logged else None
 
@@ -35,14 +41,21 @@ def estimate(runs: Sequence[Run], metric: str, tables: ClipTables) -> Estimate |
 def difference(
     ours: Sequence[Run], theirs: Sequence[Run], metric: str, tables: ClipTables
 ) -> Estimate | None:
-    """``ours - theirs`` over the clips that both have, averaged over seeds; ``None`` without such clips."""
-    one, other = clip_means(ours, tables), clip_means(theirs, tables)
-    if one is None or other is None or metric not in one or metric not in other:
+    """``ours - theirs`` over the clips that both have, paired over clips; ``None`` without such clips."""
+    one, other = (clip_scores(runs, metric, tables) for runs in (ours, theirs))
+    if one is None or other is None:
         return None
-    both = one[[metric]].join(other[[metric]], how="inner", lsuffix="_ours", rsuffix="_theirs")
-    values = both.to_numpy(np.float64)
-    return paired_difference(values[:, 0], values[:, 1]) if len(values) else None
+    common = one.index.intersection(other.index).sort_values()
+    if common.empty:
+        return None
+    one, other = one.loc[common], other.loc[common]
+    return paired_difference(one.to_numpy().T, other.to_numpy().T, scenes_of(one))
+
+
+def scenes_of(scores: pd.DataFrame) -> np.ndarray:
+    """Each row's scene."""
+    return scores.index.get_level_values("scene").to_numpy(dtype=str)
 
 
 def scaled(value: Estimate, factor: float) -> Estimate:
-    return Estimate(value.mean * factor, value.low * factor, value.high * factor, value.clips)
+    return replace(value, mean=value.mean * factor, low=value.low * factor, high=value.high * factor)

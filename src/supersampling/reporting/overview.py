@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
-from supersampling.reporting.estimates import ClipTables, clip_means, difference, estimate
+from supersampling.reporting.estimates import ClipTables, clip_scores, difference, estimate, scenes_of
 from supersampling.reporting.published import Paper
 from supersampling.reporting.runs import Run
 from supersampling.reporting.selection import configurations, matches, one_per_seed, settings
@@ -90,9 +89,9 @@ def summary(found: Sequence[Method], tables: ClipTables) -> Sheet:
     rows = [_summary_row(method, base, tables) for method in found]
     clips = max((e.clips for m in found if (e := estimate(m.runs, "psnr", tables))), default=0)
     notes = [
-        f"Mean over {clips} test clips ± half the 95% bootstrap interval over clips; SSIM with the 11-tap Gaussian window "
-        "(ssim_gauss11).",
-        f"Δ: mean paired difference over clips against the best classical method ({base.label})." if base else
+        f"Mean over {clips} test clips ± half the 95% bootstrap interval over scenes, with their clips, and seeds; SSIM with "
+        "the 11-tap Gaussian window (ssim_gauss11).",
+        f"Δ: mean paired difference over clips and seeds against the best classical method ({base.label})." if base else
         "No classical method was run: differences have no base.",
         "“unresolved”: the interval holds 0. A number in brackets is the spread of the mean PSNR over seeds (highest − lowest).",
     ]  # fmt: skip
@@ -138,24 +137,25 @@ def _seeds(method: Method) -> str:
 
 def by_scene(found: Sequence[Method], tables: ClipTables) -> list[Sheet]:
     """PSNR and SSIM of each method on each scene; many scenes go on over several sheets."""
-    means = {
-        method.label: frame for method in found if (frame := clip_means(method.runs, tables)) is not None
-    }
-    scenes = sorted({scene for frame in means.values() for scene in frame.index.get_level_values("scene")})
+    logged = [method for method in found if any(run.id in tables for run in method.runs)]
+    scenes = sorted(
+        {scene for m in logged for run in m.runs if run.id in tables for scene in tables[run.id]["scene"]}
+    )
     chunks = [scenes[i : i + SCENES_A_SHEET] for i in range(0, len(scenes), SCENES_A_SHEET)]
-    return [_scene_sheet(found, means, chunk, index, len(chunks)) for index, chunk in enumerate(chunks)]
+    return [_scene_sheet(logged, tables, chunk, index, len(chunks)) for index, chunk in enumerate(chunks)]
 
 
 def _scene_sheet(
-    found: Sequence[Method], means: dict[str, pd.DataFrame], scenes: list[str], index: int, of: int
+    found: Sequence[Method], tables: ClipTables, scenes: list[str], index: int, of: int
 ) -> Sheet:
     rows: list[list[Text]] = []
-    for method in (m for m in found if m.label in means):
-        frame = means[method.label]
+    counts = dict.fromkeys(scenes, 0)
+    for method in found:
         for metric, label, decimals in (("psnr", "PSNR (dB)", 2), ("ssim", "SSIM", 4)):
-            cells = [_scene_cell(frame, scene, metric, decimals) for scene in scenes]
+            values = [_of_scene(method, metric, tables, scene) for scene in scenes]
+            cells = [Text(number(v, decimals)) if v else Text(NOT_RUN, "muted") for v in values]
+            counts = {scene: max(counts[scene], v.clips if v else 0) for scene, v in zip(scenes, values)}
             rows.append([Text(method.label if metric == "psnr" else ""), Text(label), *cells])
-    counts = {scene: max(_clips(frame, scene) for frame in means.values()) for scene in scenes}
     return Sheet(
         name="scenes" if of == 1 else f"scenes_{index + 1}",
         title="All methods by scene" + ("." if of == 1 else f", part {index + 1} of {of}."),
@@ -168,21 +168,17 @@ def _scene_sheet(
         rows=rows,
         labels=2,
         notes=[
-            "Mean ± half the 95% bootstrap interval over the scene's clips; a scene with one clip has none."
+            "Mean ± half the 95% bootstrap interval over the scene's clips and seeds; a scene with one clip has none."
         ],
         rules=list(range(0, len(rows), 2)),
     )
 
 
-def _clips(frame: pd.DataFrame, scene: str) -> int:
-    return int((frame.index.get_level_values("scene") == scene).sum())
-
-
-def _scene_cell(frame: pd.DataFrame, scene: str, metric: str, decimals: int) -> Text:
-    chosen = frame[frame.index.get_level_values("scene") == scene]
-    if chosen.empty or metric not in frame:
-        return Text(NOT_RUN, "muted")
-    return Text(number(bootstrap_mean(chosen[metric].to_numpy(np.float64)), decimals))
+def _of_scene(method: Method, metric: str, tables: ClipTables, scene: str) -> Estimate | None:
+    scores = clip_scores(method.runs, metric, tables)
+    if scores is None or scene not in (scenes := scenes_of(scores)):
+        return None
+    return bootstrap_mean(scores.to_numpy()[scenes == scene].T)
 
 
 def _first_learned(found: Sequence[Method]) -> list[int]:

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pandas as pd
 from mlflow import MlflowClient
@@ -15,13 +15,15 @@ from mlflow.entities import Run as MlflowRun
 from mlflow.exceptions import MlflowException
 
 from supersampling.errors import UserError
+from supersampling.metrics import scores
 
 DOWNLOADS_AT_ONCE = 8
+Kind = Literal["job", "evaluation"]
 
 
 @dataclass(frozen=True)
 class Run:
-    """A finished job: its tags, flat parameters (as strings) and last metric values."""
+    """A finished job, or an evaluation of a method by itself: its tags, flat parameters (as strings), last metric values."""
 
     id: str
     name: str
@@ -33,6 +35,7 @@ class Run:
     ended: int
     params: dict[str, str]
     metrics: dict[str, float]
+    kind: Kind = "job"
 
     @property
     def model(self) -> str:
@@ -45,7 +48,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Experiment:
-    """The finished jobs of an experiment, oldest first, and how many jobs did not finish."""
+    """The finished runs of an experiment, oldest first, and how many did not finish."""
 
     runs: list[Run]
     unfinished: int
@@ -70,11 +73,14 @@ class Store:
     def _client(self) -> MlflowClient:
         return MlflowClient(tracking_uri=self.uri)
 
-    def experiment(self, name: str) -> Experiment:
-        """The jobs of an experiment; of several runs with the same identity the newest finished counts."""
+    def experiment(self, name: str, kinds: Sequence[Kind] = ("job",)) -> Experiment:
+        """The jobs of an experiment; of several runs with the same identity the newest finished counts.
+
+        An evaluation has no identity: each counts.
+        """
         try:
             found = self._client.get_experiment_by_name(name)
-            jobs = self._jobs(found.experiment_id) if found is not None else []
+            jobs = [job for kind in kinds for job in self._jobs(found.experiment_id, kind)] if found else []
         except (MlflowException, OSError) as error:
             reason = str(error).splitlines()[0][:200]
             raise UserError(
@@ -92,25 +98,28 @@ class Store:
         newest = {run.identity: run for run in sorted(finished, key=lambda run: (run.ended, run.id))}
         return Experiment(list(newest.values()), len(jobs) - len(finished))
 
-    def _jobs(self, experiment_id: str) -> list[MlflowRun]:
+    def _jobs(self, experiment_id: str, kind: Kind) -> list[MlflowRun]:
         jobs: list[MlflowRun] = []
         token = None
         while True:
             page = self._client.search_runs(
-                [experiment_id], "tags.`ss.kind` = 'job'", max_results=500, page_token=token
+                [experiment_id], f"tags.`ss.kind` = '{kind}'", max_results=500, page_token=token
             )
             jobs.extend(page)
             token = page.token
             if not token:
                 return jobs
 
-    def tables(self, runs: Sequence[Run], name: str) -> dict[str, pd.DataFrame]:
-        """A logged table of each run by the run's id; a run without it is left out.
+    def tables(self, runs: Sequence[Run], level: Literal["frames", "clips"]) -> dict[str, pd.DataFrame]:
+        """The scores of each run by the run's id, a row for each frame or clip; a run without them is left out.
 
-        A table that was logged twice (a job taken up again) keeps the last row of each scene, clip and frame.
+        Runs of earlier versions have JSON tables alone; one that was logged twice (a job taken up again) keeps the last
+        row of each scene, clip and frame.
         """
-        files = self._download(runs, name)
-        return {run: _read_table(path) for run, path in files.items()}
+        files = self._download(runs, scores.FILE)
+        found = {run: getattr(scores.read_scores(path), level) for run, path in files.items()}
+        older = self._download([run for run in runs if run.id not in found], f"{level}.json")
+        return found | {run: _read_table(path) for run, path in older.items()}
 
     def folders(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
         """An artifact folder of each run on the local disk; a run without it is left out."""
@@ -140,18 +149,23 @@ class Store:
 
 
 def _run(job: MlflowRun) -> Run:
-    tags = job.data.tags
+    tags, params = job.data.tags, dict(job.data.params)
+    kind: Kind = "evaluation" if tags["ss.kind"] == "evaluation" else "job"
+    if kind == "evaluation":
+        # They are the training's; of the data that it was scored on the fingerprint alone is known.
+        params = {name: value for name, value in params.items() if name not in ("data", "data.scenes")}
     return Run(
         id=job.info.run_id,
         name=job.info.run_name or job.info.run_id[:8],
         identity=tags.get("ss.identity", job.info.run_id),
         dataset=tags.get("ss.dataset", "unknown"),
-        method=tags.get("ss.method", job.data.params.get("model", "unknown")),
+        method=tags.get("ss.method", params.get("model", "unknown")),
         machine=tags.get("ss.machine", "unknown"),
         version=tags.get("ss.version", "unknown"),
         ended=job.info.end_time or 0,
-        params=dict(job.data.params),
+        params=params,
         metrics=dict(job.data.metrics),
+        kind=kind,
     )
 
 

@@ -9,7 +9,10 @@ from supersampling.errors import UserError
 from supersampling.reporting.published import Selection
 from supersampling.reporting.runs import Run
 
-RESULT_SETTINGS = ("model.", "loss", "optimizer", "budget.", "data.train.")
+RESULT_SETTINGS = (
+    "model.", "task.", "loss", "optimizer", "augment", "pick", "trainer.precision", "budget.", "data.train.",
+    "protocol",
+)  # fmt: skip
 UNTRAINED = ""
 Key = TypeVar("Key", bound=Hashable)
 Settings = dict[str, str]

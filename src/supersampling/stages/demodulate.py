@@ -34,6 +34,10 @@ class Demodulate(nn.Module, ABC):
     def present(self, output: Tensor, frame: Frame) -> Tensor:
         """The display-referred image ``(B, 3, H, W)`` in [0, 1] of an output ``(B, 3, H, W)``."""
 
+    @abstractmethod
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
+        """The linear radiance ``(B, 3, H, W)`` of an output, or None: there are display colours alone."""
+
 
 @final
 class DisplayColour(Demodulate):
@@ -51,6 +55,9 @@ class DisplayColour(Demodulate):
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
         return output.clamp(0.0, 1.0)
+
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
+        return None
 
 
 @final
@@ -73,9 +80,12 @@ class Demodulated(Demodulate):
         return demodulate(clip["target_radiance"], clip["high_material"], clip["high_emission"])
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
+        return displayed(self.radiance(output, frame))
+
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor:
         assert frame.high_material is not None
         assert frame.high_emission is not None
-        return displayed(remodulate(output.clamp(min=0.0), frame.high_material, frame.high_emission))
+        return remodulate(output.clamp(min=0.0), frame.high_material, frame.high_emission)
 
 
 @final
@@ -102,7 +112,10 @@ class LoggedLighting(Demodulate):
         return self.linear.reference(clip).log1p()
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
-        return self.linear.present(output.clamp(max=self.highest).expm1(), frame)
+        return displayed(self.radiance(output, frame))
+
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor:
+        return self.linear.radiance(output.clamp(max=self.highest).expm1(), frame)
 
 
 @final
@@ -121,3 +134,6 @@ class Radiance(Demodulate):
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
         return displayed(output)
+
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor:
+        return output

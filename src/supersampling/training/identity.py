@@ -10,8 +10,10 @@ from omegaconf import DictConfig, OmegaConf
 # Keys that cannot change a result. What a data set was made from is replaced by the fingerprint of what it holds.
 NOT_IDENTITY = (
     "paths", "logger", "data", "scene", "path", "baselines", "fresh", "workers", "trainer.enable_progress_bar",
-    "trainer.accelerator", "trainer.devices", "sweeps", "experiment", "debug", "threads",
+    "trainer.accelerator", "trainer.devices", "sweeps", "experiment", "debug", "threads", "metrics",
 )  # fmt: skip
+# Weights do not depend on how they are scored, so that two protocols share a training.
+WEIGHTS_ONLY = ("protocol",)
 
 
 def _without(tree: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
@@ -28,10 +30,13 @@ def _without(tree: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
 ONLY_LEARNED = ("loss", "pick", "augment", "optimizer", "budget", "trainer", "seed")
 
 
-def identity(cfg: DictConfig, fingerprints: Mapping[str, str], learned: bool) -> str:
-    """16 hex digits of the resolved configuration, less what cannot change the result, and each split's fingerprint."""
+def identity(
+    cfg: DictConfig, fingerprints: Mapping[str, str], learned: bool, without: tuple[str, ...] = ()
+) -> str:
+    """16 hex digits of the resolved configuration, less what cannot change the result and ``without``, and each split's
+    fingerprint."""
     resolved: Any = OmegaConf.to_container(cfg, resolve=True)
-    left_out = NOT_IDENTITY if learned else NOT_IDENTITY + ONLY_LEARNED
+    left_out = (NOT_IDENTITY if learned else NOT_IDENTITY + ONLY_LEARNED) + without
     content = {"config": _without(resolved, left_out), "data": dict(fingerprints)}
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
@@ -50,6 +55,7 @@ _HIDDEN = (
     "path",
     "tune",
     "threads",
+    "metrics",
 )
 
 

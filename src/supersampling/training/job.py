@@ -2,30 +2,30 @@
 
 import copy
 import os
-import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 import torch
 from filelock import FileLock, Timeout
 from hydra import compose
 from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
+from mlflow.entities import Run
 from omegaconf import DictConfig, OmegaConf, open_dict
 
 from supersampling.data.module import Source, fingerprint
-from supersampling.data.spec import SPLITS
 from supersampling.errors import was_interrupted
-from supersampling.metrics.suite import Suite
+from supersampling.evaluation.result import evaluate
+from supersampling.evaluation.score import evaluation_requires
+from supersampling.metrics.chosen import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.training.check import check_numbers
-from supersampling.training.crops import save_crops, strip
-from supersampling.training.evaluation import by_clip, evaluation_requires, score, summary, whole_clips
-from supersampling.training.fit import choose_constants, fit
-from supersampling.training.identity import flat_parameters, identity
+from supersampling.training.fit import choose_constants, fit, load_weights
+from supersampling.training.identity import WEIGHTS_ONLY, flat_parameters, identity
+from supersampling.training.log import has_metrics, log_result, scores_of
+from supersampling.training.sanity import score_sanity
 from supersampling.training.tracking import PARENT_VARIABLE, Experiment, open_experiment
 
 Files = Mapping[str, list[Path]]
@@ -41,9 +41,9 @@ def train(cfg: DictConfig) -> None:
     check_numbers(cfg)
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
-    source: Source = instantiate(cfg.data)
     jobs = [*_baselines(cfg), (cfg, dict(HydraConfig.get().runtime.choices))]
-    files = source.files(SPLITS, frozenset().union(*(required_buffers(composed) for composed, _ in jobs)))
+    files = data_files(cfg, [composed for composed, _ in jobs])
+    score_sanity(cfg, files["test"], experiment)
     for composed, choices in jobs:
         Job(composed, choices, files, experiment, announce=composed is cfg).run()
 
@@ -73,16 +73,29 @@ def is_learned(model: Upsampler) -> bool:
     return any(p.requires_grad for p in model.parameters())
 
 
-def required_buffers(cfg: DictConfig) -> frozenset[str]:
-    """All that a configuration reads: what its model and metrics read and, if it is trained, its loss and choice of windows."""
-    return _required(cfg, instantiate(cfg.model))
+def fitting_buffers(cfg: DictConfig) -> frozenset[str]:
+    """All that decides a configuration's weights or constants: what its model, its loss and its choice of windows read."""
+    return _fitting(cfg, instantiate(cfg.model))
 
 
-def _required(cfg: DictConfig, model: Upsampler) -> frozenset[str]:
-    names = evaluation_requires(model, instantiate(cfg.metrics))
+def scoring_buffers(cfg: DictConfig) -> frozenset[str]:
+    """What a configuration's model and metrics read of a test clip."""
+    return evaluation_requires(instantiate(cfg.model), instantiate(cfg.metrics))
+
+
+def _fitting(cfg: DictConfig, model: Upsampler) -> frozenset[str]:
+    names = model.requires | {"target"}
     if is_learned(model):
         names |= model.compares | instantiate(cfg.loss).requires | instantiate(cfg.pick).requires
     return names
+
+
+def data_files(cfg: DictConfig, jobs: Sequence[DictConfig]) -> Files:
+    """The files of every split with the buffers that these jobs read; metrics read the test clips alone."""
+    source: Source = instantiate(cfg.data)
+    fitted = frozenset().union(*map(fitting_buffers, jobs))
+    scored = fitted.union(*map(scoring_buffers, jobs))
+    return source.files(("train", "val"), fitted) | source.files(("test",), scored)
 
 
 @dataclass(frozen=True)
@@ -96,12 +109,13 @@ class Job:
     announce: bool = True  # say so when there is nothing left to do
 
     def run(self) -> None:
-        """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint."""
+        """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint. A finished one that lacks a
+        metric is scored again; what it has is kept."""
         model: Upsampler = instantiate(self.cfg.model)
         learned = is_learned(model)
-        names = _required(self.cfg, model)
-        key = identity(self.cfg, {s: fingerprint(f, names) for s, f in self.files.items()}, learned)
-        folder = Path(self.cfg.paths.checkpoints) / key
+        names = _fitting(self.cfg, model)
+        content = {s: fingerprint(f, names) for s, f in self.files.items()}
+        folder = Path(self.cfg.paths.checkpoints) / identity(self.cfg, content, learned, WEIGHTS_ONLY)
         folder.mkdir(parents=True, exist_ok=True)
         lock = FileLock(folder / "lock")
         try:
@@ -110,36 +124,54 @@ class Job:
             print(f"{self._name(learned)}: another process is at this very job; waiting for it.", flush=True)
             lock.acquire()
         try:
-            self._run_once(key, folder, learned)
+            self._run_once(identity(self.cfg, content, learned), folder, learned)
         finally:
             lock.release()
 
     def _run_once(self, key: str, folder: Path, learned: bool) -> None:
         name = self._name(learned)
-        found = self.experiment.find(key)
-        if found is not None and found.info.status == "FINISHED" and not self.cfg.fresh:
+        metrics: Metrics = instantiate(self.cfg.metrics)
+        found = None if self.cfg.fresh else self.experiment.find(key)
+        finished = found is not None and found.info.status == "FINISHED"
+        if found is not None and finished and has_metrics(found, metrics):
             if self.announce:
                 print(f"{name}: finished before as run {found.info.run_id}; fresh=true repeats it.")
             return
         parent = os.environ.get(PARENT_VARIABLE)
-        if found is None or self.cfg.fresh:
+        if found is None:
             run_id = self._begin(name, key, parent, learned)
-            (folder / "last.ckpt").unlink(missing_ok=True)
+            if self.cfg.fresh:
+                (folder / "last.ckpt").unlink(missing_ok=True)
         else:
             run_id = found.info.run_id
             self.experiment.restart(run_id, parent)
+            # What a run of an earlier version lacks.
+            self.experiment.log_params(run_id, flat_parameters(self.cfg, self.choices, learned))
         try:
-            print(f"{name}: run {run_id}", flush=True)
-            model = (
-                fit(self.cfg, self.files, folder, self.experiment, run_id)
-                if learned
-                else self._classical(run_id)
-            )
-            self._score(model, run_id)
+            print(f"{name}: run {run_id}{', scored again' if finished else ''}", flush=True)
+            if found is not None and finished:
+                model = self._finished(found, learned)
+            elif learned:
+                model = fit(self.cfg, self.files, folder, self.experiment, run_id)
+            else:
+                model = self._classical(run_id)
+            self._score(model, metrics, run_id, finished)
         except BaseException as error:
-            self.experiment.finish(run_id, "KILLED" if was_interrupted(error) else "FAILED")
+            # Scores that could not be added leave a finished run as it was.
+            status = "FINISHED" if finished else "KILLED" if was_interrupted(error) else "FAILED"
+            self.experiment.finish(run_id, status)
             raise
         self.experiment.finish(run_id)
+
+    def _finished(self, run: Run, learned: bool) -> Upsampler:
+        """The method of a finished run, with its weights or its tuned constants."""
+        tuned = {
+            k.removeprefix("tuned."): float(v) for k, v in run.data.params.items() if k.startswith("tuned.")
+        }
+        model: Upsampler = instantiate(self.cfg.model, **tuned)
+        if learned:
+            load_weights(model, self.experiment.artifact(run.info.run_id, "checkpoint/last.ckpt"))
+        return model
 
     def _name(self, learned: bool) -> str:
         parts = [method_name(self.choices)]
@@ -166,10 +198,16 @@ class Job:
         self.experiment.log_params(run_id, {f"tuned.{k}": v for k, v in constants.items()})
         return model
 
-    def _score(self, model: Upsampler, run_id: str) -> None:
-        result = evaluate(model, instantiate(self.cfg.metrics), self.files["test"])
+    def _score(self, model: Upsampler, metrics: Metrics, run_id: str, again: bool) -> None:
+        result = evaluate(model, metrics, instantiate(self.cfg.protocol), self.files["test"])
+        older = scores_of(self.experiment, run_id) if again else None
         count = sum(p.numel() for p in model.parameters())
-        log_result(self.experiment, run_id, result, {"model/parameters": float(count)})
+        log_result(
+            self.experiment,
+            run_id,
+            result if older is None else result.keep(older),
+            {"model/parameters": float(count)},
+        )
 
 
 # The stages that a method is published with; a run that swaps one says so in its name.
@@ -197,37 +235,3 @@ def method_name(choices: Mapping[str, Any]) -> str:
         f"{s}={choices[f'model/{s}']}" for s in stages if choices.get(f"model/{s}", stages[s]) != stages[s]
     ]
     return " ".join([model, *swapped])
-
-
-@dataclass(frozen=True)
-class Result:
-    """What a test run gives: per-frame and per-clip tables, and a folder of crops."""
-
-    frames: pd.DataFrame
-    clips: pd.DataFrame
-    crops: tempfile.TemporaryDirectory
-
-
-def evaluate(model: Upsampler, metrics: Suite, paths: list[Path]) -> Result:
-    """Score ``model`` on whole test clips and keep the crops of each scene's first clip's last frame."""
-    crops = tempfile.TemporaryDirectory(prefix="crops")
-    scored: list[dict] = []
-    scenes: list[str] = []
-    for frame in score(model, metrics, whole_clips(paths, evaluation_requires(model, metrics))):
-        scored.append(frame.row)
-        if frame.index == frame.length - 1 and frame.name.clip == 0:
-            save_crops(frame, Path(crops.name), len(scenes))
-            scenes.append(frame.name.scene)
-    frames = pd.DataFrame(scored)
-    return Result(frames, by_clip(frames), crops)
-
-
-def log_result(experiment: Experiment, run_id: str, result: Result, more: Mapping[str, float]) -> None:
-    """Log the means as metrics, the tables and the crops as artifacts."""
-    client = experiment.client
-    experiment.log_metrics(run_id, {**summary(result.clips), **more})
-    client.log_table(run_id, result.clips, "clips.json")
-    client.log_table(run_id, result.frames, "frames.json")
-    client.log_artifacts(run_id, result.crops.name, "crops")
-    client.log_image(run_id, strip(Path(result.crops.name)), "crops.png")
-    result.crops.cleanup()

@@ -7,6 +7,7 @@ import numpy as np
 import OpenEXR
 from numpy.typing import NDArray
 from PIL import Image as Pillow
+from torchvision.io import ImageReadMode, decode_image, read_file
 
 from supersampling.errors import UserError
 
@@ -50,6 +51,33 @@ def read_png(path: Path, size: tuple[int, int], channels: int) -> NDArray[np.uin
             return np.asarray(image)[..., :channels]
         except (OSError, SyntaxError, ValueError) as error:
             raise UserError(f"{path} is truncated or damaged ({error}): restore it.") from error
+
+
+def read_display_png(path: Path, size: tuple[int, int]) -> Image:
+    """An RGB image of 8 or 16 bits a channel, ``(h, w, 3)`` in [0, 1]. An alpha channel is dropped where it is opaque.
+
+    Raises:
+        UserError: it is missing, truncated, not of ``size (width, height)``, of another kind, or not opaque.
+    """
+    png_size(path)  # a file that is no PNG, or too large, before it is decoded
+    try:
+        # Pillow would cut 16 bits to 8 without a word.
+        values = decode_image(read_file(str(path)), ImageReadMode.UNCHANGED).permute(1, 2, 0).numpy()
+    except RuntimeError as error:
+        raise UserError(f"{path} is truncated or damaged ({error}): restore it.") from error
+    height, width, channels = values.shape
+    _check_size(path, width, height, size)
+    if channels not in (3, 4):
+        raise UserError(
+            f"{path} has {channels} channel{'s' * (channels > 1)} instead of RGB: export it as such."
+        )
+    highest = np.iinfo(values.dtype).max
+    clear = int((values[..., 3:] < highest).sum())
+    if clear:
+        raise UserError(
+            f"{path} has {clear} pixels that are not opaque, so what they show is not known: export it without alpha."
+        )
+    return values[..., :3].astype(np.float32) / np.float32(highest)
 
 
 def _open_png(path: Path) -> Pillow.Image:

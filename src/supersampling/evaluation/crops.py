@@ -1,4 +1,5 @@
-"""Crops of one frame a scene: the raw input, the method's output and the target, at a place that the data alone decide."""
+"""Pictures of one clip a scene: crops of its last frame (the raw input, the method's output, the target) at a place that the data
+alone decide, and epipolar-plane images."""
 
 from pathlib import Path
 
@@ -8,7 +9,8 @@ import torch.nn.functional as F
 from PIL import Image
 from torch import Tensor
 
-from supersampling.training.evaluation import ScoredFrame
+from supersampling.evaluation.score import ScoredFrame
+from supersampling.metrics.video.epipolar import EpipolarPlane
 
 SIZE = 96
 
@@ -33,9 +35,20 @@ def save_crops(frame: ScoredFrame, folder: Path, index: int) -> None:
     y, x = detailed_corner(frame.target, size)
     scale = frame.target.shape[-1] // frame.color.shape[-1]
     raw = frame.color.repeat_interleave(scale, dim=2).repeat_interleave(scale, dim=3)
-    stem = f"{index}_{frame.name.scene.replace('/', '_')}"
+    stem = f"{index}_{file_name(frame.name.scene)}"
     for suffix, picture in (("", frame.output), ("_input", raw), ("_target", frame.target)):
         _image(picture[..., y : y + size, x : x + size]).save(folder / f"{stem}{suffix}.png")
+
+
+def save_epipolar(plane: EpipolarPlane, folder: Path, stem: str) -> None:
+    """Write ``<stem>{,_target}.png``: a row of the image, time downwards."""
+    for suffix, image in zip(("", "_target"), plane.images()):
+        Image.fromarray(image).save(folder / f"{stem}{suffix}.png")
+
+
+def file_name(scene: str) -> str:
+    """A scene's name as a part of a file's."""
+    return scene.replace("/", "_")
 
 
 def strip(folder: Path) -> Image.Image:

@@ -1,0 +1,155 @@
+"""Frames that exist already, as a method: what another program upscaled, or a data set's own targets."""
+
+import hashlib
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from pathlib import Path
+from typing import final
+
+import torch
+from torch import Tensor
+
+from supersampling.data.readers.images import read_display_png, read_exr
+from supersampling.data.readers.qrisp import baseline_images
+from supersampling.data.store import Store
+from supersampling.errors import UserError
+from supersampling.frames import Frame
+from supersampling.models.base import Upsampler
+from supersampling.ops.display import displayed
+
+Clips = Sequence[Sequence[Path]]
+"""A file for every frame of every clip, in the order in which they are scored."""
+
+
+class Recording(ABC):
+    """Where the frames come from."""
+
+    @abstractmethod
+    def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
+        """One image ``(3, H, W)`` of ``size (W, H)``, in the recording's own domain.
+
+        Raises:
+            UserError: it is broken, of another size or of another kind.
+        """
+
+    def shown(self, image: Tensor) -> Tensor:
+        """Display-referred colours in [0, 1] of an image."""
+        return image
+
+    def radiance(self, image: Tensor) -> Tensor | None:
+        """Linear radiance of an image, None where there are display colours alone."""
+        return None
+
+    @property
+    @abstractmethod
+    def fingerprint(self) -> str:
+        """16 hex digits of the content."""
+
+
+class _Images(Recording):
+    def __init__(self, clips: Clips) -> None:
+        self._clips = [list(clip) for clip in clips]
+
+    @property
+    def fingerprint(self) -> str:
+        digest = hashlib.sha256()
+        for path in (path for clip in self._clips for path in clip):
+            digest.update(path.read_bytes())
+        return digest.hexdigest()[:16]
+
+
+@final
+class DisplayImages(_Images):
+    """PNG images of sRGB display colours, 8 or 16 bits; an alpha channel has to be opaque."""
+
+    def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
+        return torch.from_numpy(read_display_png(self._clips[clip][frame], size)).permute(2, 0, 1)
+
+
+@final
+class RadianceImages(_Images):
+    """EXR images of linear radiance in the data set's exposure; shown as the project's renderer shows its own."""
+
+    def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
+        image = read_exr(self._clips[clip][frame], size, ("RGB",))
+        return torch.from_numpy(image).permute(2, 0, 1)
+
+    def shown(self, image: Tensor) -> Tensor:
+        return displayed(image)
+
+    def radiance(self, image: Tensor) -> Tensor:
+        return image
+
+
+@final
+class Targets(Recording):
+    """The targets themselves: what every metric gives to a perfect method."""
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        self._clips = [(store, c) for store in map(Store, files) for c in range(store.clips)]
+
+    def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
+        store, index = self._clips[clip]
+        return torch.from_numpy(store.read("target", index, slice(frame, frame + 1)))[0]
+
+    @property
+    def fingerprint(self) -> str:
+        return "targets"
+
+
+@final
+class Playback(Upsampler[int]):
+    """Shows a recording's clips one after another; the state is the number of the next frame."""
+
+    requires = frozenset({"color"})
+
+    def __init__(self, scale: int, recording: Recording) -> None:
+        super().__init__()
+        self.scale = scale
+        self.recording = recording
+        self._clip = -1
+
+    def forward(self, frame: Frame, state: int | None) -> tuple[Tensor, int]:
+        assert frame.color is not None
+        if state is None:
+            self._clip, state = self._clip + 1, 0
+        height, width = (self.scale * n for n in frame.color.shape[-2:])
+        image = self.recording.read(self._clip, state, (width, height))
+        return image[None].to(frame.color), state + 1
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        return self.recording.shown(output)
+
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
+        return self.recording.radiance(output)
+
+
+def recorded_methods(capture: Path, files: Sequence[Path]) -> dict[str, Playback]:
+    """The methods whose images a QRISP ``capture`` ships for these data set files, which were imported from it.
+
+    Raises:
+        UserError: a file was not imported from QRISP, or images of a method are missing for one of its clips.
+    """
+    images: dict[str, list[list[Path]]] = {}
+    scales = set()
+    for path in files:
+        store = Store(path)
+        spec, segments = store.spec, [str(c) for c in json.loads(store.attributes.get("clips", "[]"))]
+        store.close()
+        scales.add(spec.scale)
+        if not spec.scene.startswith("qrisp/"):
+            raise UserError(
+                f"{path} was not imported from a QRISP capture: render.py import=qrisp makes such files."
+            )
+        for method, found in baseline_images(capture, spec.scene.removeprefix("qrisp/")).items():
+            for label in segments:
+                segment = label.rsplit("/", 1)[-1]
+                frames = found[segment].files if segment in found else {}
+                if len(frames) != spec.frames:
+                    raise UserError(
+                        f"{capture} has {len(frames)} images of {method} for the {spec.frames} frames of segment {segment} "
+                        f"of {spec.scene}: unpack them all."
+                    )
+                images.setdefault(method, []).append([frames[number] for number in sorted(frames)])
+    return {method: Playback(max(scales), DisplayImages(clips)) for method, clips in images.items()}

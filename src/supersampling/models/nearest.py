@@ -1,0 +1,25 @@
+"""The raw rendering itself: every sample repeated over the target pixels that it covers."""
+
+from typing import final
+
+from torch import Tensor
+
+from supersampling.frames import Frame
+from supersampling.models.base import Upsampler
+from supersampling.ops.resample import check_scale
+
+
+@final
+class Nearest(Upsampler[None]):
+    """What a method has to beat to be of any use: no filter, no history, blind to jitter."""
+
+    requires = frozenset({"color"})
+
+    def __init__(self, scale: int) -> None:
+        super().__init__()
+        self.scale = check_scale(scale)
+
+    def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
+        assert frame.color is not None
+        rows = frame.color.repeat_interleave(self.scale, dim=-2)
+        return rows.repeat_interleave(self.scale, dim=-1), None

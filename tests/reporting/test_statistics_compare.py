@@ -1,0 +1,229 @@
+"""Which runs a name finds, what is compared, and when a winner may be named."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from supersampling.errors import UserError
+from supersampling.reporting.comparison import compare, decimals, plus_minus, text, verdict
+from supersampling.reporting.runs import Run
+from supersampling.reporting.seeds import Group, find_groups, pair, seed_groups
+from supersampling.reporting.statistics import Estimate
+
+
+def run(name: str, ended: int = 0, dataset: str = "aaaa", method: str = "", **params: Any) -> Run:
+    """Parameter names are written with ``__`` for a dot."""
+    given = {key.replace("__", "."): str(value) for key, value in params.items()}
+    base = {
+        "model": "dlctus",
+        "task.scale": "4",
+        "task.mip_bias": "matched",
+        "data": "laptop",
+        "data.scenes": "atrium",
+    }
+    method = method or given.get("model", "dlctus")
+    return Run(name, name, name, dataset, method, "machine", "1", ended, {**base, **given}, {})
+
+
+def names(groups: list[Group]) -> list[list[str]]:
+    return [[r.id for r in group.runs] for group in groups]
+
+
+def test_runs_that_differ_in_seed_alone_are_one_group():
+    runs = [run(f"s{seed}", seed=seed, budget="laptop", loss="l1") for seed in (2, 0, 10)]
+    assert names(seed_groups([*runs, run("again", 1, seed=0, budget="laptop", loss="l1")])) == [
+        ["again", "s2", "s10"]
+    ]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"augment": "none"}, {"pick": "uniform"}, {"loss": "mse"}, {"optimizer__lr": 1}, {"budget": "paper"},
+        {"budget__steps": 9}, {"model__dilate": "closest"}, {"task__jitter": "halton"}, {"task__scale": 2},
+        {"trainer__precision": "bf16"}, {"data__train__clips": 9}, {"dataset": "bbbb"},
+    ],
+)  # fmt: skip
+def test_any_other_difference_separates_them(other):
+    given = {
+        "augment": "full", "pick": "edges", "loss": "l1", "optimizer__lr": 2, "budget": "laptop", "budget__steps": 8,
+        "model__dilate": "none", "task__jitter": "thesis", "trainer__precision": "32", "data__train__clips": 8,
+    }  # fmt: skip
+    assert len(seed_groups([run("a", **given, seed=0), run("b", **{**given, **other}, seed=1)])) == 2
+
+
+def test_what_cannot_change_a_result_does_not_separate_them():
+    runs = [run("a", seed=0, data__workers=1, trainer__accelerator="cpu"), run("b", seed=1, data__workers=4)]
+    assert names(seed_groups(runs)) == [["a", "b"]]
+
+
+RUNS = [
+    run("d0", seed=0, loss__theta=0.1), run("d1", seed=1, loss__theta=0.1), run("dt", seed=0, loss__theta=0.5),
+    run("t0", model="tus"), run("t1", model="tus", method="tus rectify=none", model__rectify="none"),
+]  # fmt: skip
+
+
+def test_a_name_finds_its_groups():
+    assert names(find_groups(RUNS, "a", "dlctus loss.theta=0.10")) == [["d0", "d1"]]
+    assert names(find_groups(RUNS, "a", "tus")) == [["t0"]]  # the published stages
+    assert names(find_groups(RUNS, "a", "tus rectify=none")) == [["t1"]]
+    assert names(find_groups(RUNS, "a", "model=tus model.rectify=none")) == [["t1"]]
+    assert names(find_groups(RUNS, "a", "d1")) == [["d1"]]  # a run alone
+
+
+@pytest.mark.parametrize(
+    ("wanted", "told"),
+    [
+        ("nothing", "choose one of dlctus, tus"), ("d", "begins the ids of several"), ("tus dlctus", "2 methods"),
+        ("tus rectify=x", "no finished run"),
+    ],
+)  # fmt: skip
+def test_a_name_that_finds_nothing_is_told(wanted, told):
+    with pytest.raises(UserError, match=told):
+        find_groups(RUNS, "a", wanted)
+
+
+def test_an_evaluation_is_found_by_its_id_alone():
+    evaluation = replace(run("e5a1", model="tus", method="tus"), kind="evaluation")
+    assert names(find_groups([*RUNS, evaluation], "a", "tus")) == [["t0"]]
+    assert names(find_groups([*RUNS, evaluation], "a", "e5")) == [["e5a1"]]
+    assert names(find_groups([evaluation], "a", "e5a1")) == [["e5a1"]]
+    with pytest.raises(UserError, match="is no finished run or method: give a run's id"):
+        find_groups([evaluation], "a", "tus")
+    printed = text(
+        A,
+        alone := Group(A.setting, [evaluation]),
+        compare(A, alone, more := tables() | {"e5a1": tables()["t0"]}),
+        more,
+    )
+    assert "b: tus, not trained, evaluation e5a1" in printed
+
+
+def test_the_same_mip_bias_comes_first_and_another_can_be_compared():
+    runs = [run("m", model="tus"), run("n", model="tus", task__mip_bias="none"), run("o", model="jau")]
+    tus = find_groups(runs, "a", "tus")
+    assert pair(tus, find_groups(runs, "b", "o"))[0].runs[0].id == "m"
+    assert pair(find_groups(runs, "a", "n"), find_groups(runs, "b", "o"))[0].runs[0].id == "n"
+    with pytest.raises(UserError, match="a names 2 configurations"):
+        pair(tus, find_groups([*runs, run("p", model="mine", task__mip_bias="unknown")], "b", "p"))
+
+
+def test_a_pair_shares_its_test_data_and_is_one():
+    dlctus, tus = find_groups(RUNS, "a", "dlctus"), find_groups(RUNS, "b", "tus")
+    with pytest.raises(UserError, match=r"a names 2 configurations.*d0 loss.theta=0.1; dt loss.theta=0.5"):
+        pair(dlctus, tus)
+    elsewhere = seed_groups([run("e", dataset="bbbb", model="jau")])
+    with pytest.raises(UserError, match="share no test data"):
+        pair(elsewhere, tus)
+    a, b = pair(find_groups([*RUNS, *elsewhere[0].runs], "a", "d0"), tus)
+    assert (a.runs[0].id, b.runs[0].id) == ("d0", "t0")
+
+
+def table(psnr: np.ndarray, **more: np.ndarray) -> pd.DataFrame:
+    places = [(f"scene{s}", c) for s in range(9) for c in range(4)]
+    return pd.DataFrame(places, columns=["scene", "clip"]).assign(psnr=psnr, **more)
+
+
+def tables() -> dict[str, pd.DataFrame]:
+    rng = np.random.default_rng(0)
+    hard = rng.normal(30, 5, 36)
+
+    def of(gain: float, scatter: float) -> pd.DataFrame:
+        psnr = hard + gain + rng.normal(0, scatter, 36)
+        return table(
+            psnr, temporal=10 ** (-psnr / 20), ssim=hard / 50, secret=psnr, spatial=rng.normal(0, 1, 36)
+        )
+
+    return {"d0": of(0.9, 0.2), "d1": of(1.1, 0.2), "t0": of(0, 0.2)}
+
+
+A, B = Group(find_groups(RUNS, "a", "d0")[0].setting, RUNS[:2]), find_groups(RUNS, "b", "tus")[0]
+
+
+def test_each_metric_has_its_verdict():
+    found = {item.metric: item for item in compare(A, B, tables())}
+    assert {name: item.verdict for name, item in found.items()} == {
+        "psnr": "dlctus is better",
+        "temporal": "dlctus is better",
+        "ssim": "equal on every clip",
+        "secret": "a is higher",
+        "spatial": "unresolved",
+    }
+    swapped = {item.metric: item for item in compare(B, A, tables())}
+    assert swapped["psnr"].verdict == "dlctus is better"
+    assert swapped["psnr"].difference.mean == pytest.approx(-found["psnr"].difference.mean)
+    # By hand: the mean over seeds of the means over clips.
+    t = tables()
+    by_hand = (t["d0"].psnr.mean() + t["d1"].psnr.mean()) / 2 - t["t0"].psnr.mean()
+    assert found["psnr"].difference.mean == pytest.approx(by_hand)
+    assert found["psnr"].a.half_width > 3 * found["psnr"].difference.half_width
+
+
+def test_no_winner_without_an_interval_that_excludes_zero():
+    assert verdict("psnr", Estimate(1, -0.1, 2, 9), "x", "y") == "unresolved"
+    assert verdict("psnr", Estimate(1, 0.0, 2, 9), "x", "y") == "unresolved"
+    assert verdict("psnr", Estimate(1, math.nan, math.nan, 1), "x", "y") == "no interval"
+    assert verdict("psnr", Estimate(-1, -2, -0.5, 9), "x", "y") == "y is better"
+    assert verdict("temporal", Estimate(-1, -2, -0.5, 9), "x", "y") == "x is better"
+    assert verdict("warping_error_ratio", Estimate(-1, -2, -0.5, 9), "x", "y") == "a is lower"
+
+
+def test_clips_without_a_value_and_infinite_ones_are_said():
+    found = tables()
+    found["t0"].loc[3, "psnr"] = np.nan
+    found["d0"].loc[5, "ssim"] = np.inf
+    chosen = compare(A, B, found, ["psnr", "ssim"])
+    assert [item.difference.clips for item in chosen] == [35, 36]
+    printed = text(A, B, chosen, found)
+    assert "psnr: 1 clip left out" in printed
+    assert "ssim is infinite on a clip" in printed
+    assert "no interval" in printed
+
+
+def test_what_is_printed_says_what_it_speaks_about():
+    printed = text(A, B, compare(A, B, tables()), tables())
+    assert "a: dlctus theta=0.1, seeds 0, 1, runs d0 d1" in printed
+    assert "b: tus, not trained, run t0" in printed
+    assert "36 clips of 9 scenes" in printed
+    assert "two seeds" in printed
+    assert "does not state which way is better" in printed
+    one_clip = {name: found[:1] for name, found in tables().items()}
+    assert "1 clip of 1 scene: one clip has no interval" in text(A, B, compare(A, B, one_clip), one_clip)
+    alone = Group(A.setting, A.runs[:1])
+    assert "one seed" in text(alone, B, compare(alone, B, tables()), tables())
+
+
+def test_two_runs_of_one_method_are_told_apart():
+    one, other = Group(A.setting, RUNS[:1]), Group(A.setting, RUNS[1:2])
+    found = tables()
+    found["d1"]["psnr"] += 3
+    found["dt"] = found["d0"]
+    assert (
+        compare(Group(A.setting, RUNS[2:3]), other, found, ["psnr"])[0].verdict
+        == "dlctus theta=0.1 is better"
+    )
+    assert compare(one, other, found, ["psnr"])[0].verdict == "b is better"
+
+
+def test_what_cannot_be_compared_is_told():
+    with pytest.raises(UserError, match="choose from psnr, temporal"):
+        compare(A, B, tables(), ["flip"])
+    with pytest.raises(UserError, match="no metric in common"):
+        compare(A, B, tables() | {"t0": table(np.zeros(36)).rename(columns={"psnr": "vmaf"})})
+    with pytest.raises(UserError, match="run t0 has no table"):
+        compare(A, B, {key: value for key, value in tables().items() if key != "t0"})
+    apart = tables()
+    apart["t0"]["scene"] = "elsewhere"
+    with pytest.raises(UserError, match="no clip in common"):
+        compare(A, B, apart)
+
+
+def test_numbers_show_two_digits_of_their_half_width():
+    assert [decimals(h) for h in (2.34, 0.234, 0.00234, 23.4, 0.0, math.nan)] == [1, 2, 4, 0, 4, 4]
+    assert [decimals(h) for h in (9.94, 9.96, 0.0996, 234)] == [1, 0, 2, 0]  # 9.9, 10, 0.10, 234
+    assert plus_minus(Estimate(31.2345, 30.0, 32.4, 36)) == "31.2 ± 1.2"
+    assert plus_minus(Estimate(31.2345, math.nan, math.nan, 1)) == "31.2345"
