@@ -30,7 +30,7 @@ demo: setup
 	$(BIN)/python report.py
 	@echo
 	@echo "Compare the runs:  $(BIN)/mlflow ui --backend-store-uri sqlite:///mlflow.db"
-	@echo "Read the report:   reports/out/dlctus.pdf"
+	@echo "Read the report:   reports/out/overview.pdf"
 
 test: setup check
 	$(BIN)/python -m pytest -n 2

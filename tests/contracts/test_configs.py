@@ -45,15 +45,6 @@ def test_it_composes_and_its_model_and_loss_are_made(override, vgg):
     instantiate(cfg.budget.scheduler)
 
 
-@pytest.mark.parametrize("name", stems("sweeps"))
-def test_a_sweep_sets_keys_that_exist(name):
-    params = composed(f"sweeps={name}").hydra.sweeper.params
-    assert params
-    for key, values in params.items():
-        for value in str(values).split(","):
-            composed(f"{key}={value}")
-
-
 def test_the_thesis_recipe_is_the_thesis_s():
     """Sections 4.2.2, 4.3.1: the numbers typed a second time."""
     cfg = composed("experiment=dlctus")

@@ -16,7 +16,8 @@ from torch import nn
 
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
-from supersampling.profiling.count import count, count_command
+from supersampling.models.bicubic import Bicubic
+from supersampling.profiling.count import count, count_command, size_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -130,3 +131,10 @@ def test_the_command():
 def test_mistakes(override):
     with pytest.raises(UserError, match=re.escape(override.replace(",", ", "))):
         count_command(composed(override))
+
+
+def test_the_size_that_runs_log():
+    """Bicubic interpolation has neither weights nor operations that are counted; a method that looks at values has no count."""
+    assert size_of(Bicubic(4)) == {"model/parameters": 0.0, "model/gmac": 0.0}
+    size = size_of(Window().to("cpu"))
+    assert size["model/parameters"] == 8 * 27 + 8 + 32 + 6 * 2 * 25 + 6 + 14

@@ -44,8 +44,10 @@ def paper() -> Paper:
     return load_paper(FILE)
 
 
-@pytest.mark.parametrize(("number", "text"), [(2, TABLE_2), (13, TABLE_13), (14, TABLE_14), (16, TABLE_16)])
-def test_psnr_and_ssim_tables(paper: Paper, number: int, text: str) -> None:
+@pytest.mark.parametrize(
+    ("number", "text"), [("2", TABLE_2), ("13", TABLE_13), ("14", TABLE_14), ("16", TABLE_16)]
+)
+def test_psnr_and_ssim_tables(paper: Paper, number: str, text: str) -> None:
     table = next(table for table in paper.tables if table.number == number)
     lines = [line.split() for line in text.strip().splitlines()]
     assert len(lines) == len(table.rows)
@@ -56,7 +58,7 @@ def test_psnr_and_ssim_tables(paper: Paper, number: int, text: str) -> None:
 
 
 def test_loss_table(paper: Paper) -> None:
-    table = next(table for table in paper.tables if table.number == 10)
+    table = next(table for table in paper.tables if table.number == "10")
     lines = [[float(x) for x in line.split()] for line in TABLE_10.strip().splitlines()]
     assert [[value for (value,) in row.values] for row in table.rows] == lines
     assert [row.select.get("loss.theta") for row in table.rows] == [None, "0.1", "0.5", "0.9"]
@@ -65,7 +67,9 @@ def test_loss_table(paper: Paper) -> None:
 
 
 def test_pages_are_those_of_the_sections(paper: Paper) -> None:
-    contents = {"5.3.1": 34, "5.4.2": 44, "5.5.1": 44, "5.5.2": 47, "5.5.3": 48}
+    contents = {
+        "5.3.1": 34, "5.3.3": 43, "5.4.1": 43, "5.4.2": 44, "5.5.1": 44, "5.5.2": 47, "5.5.3": 48,
+    }  # fmt: skip
     assert {table.section: table.page for table in paper.tables} == contents
 
 
@@ -79,7 +83,7 @@ def _set(raw: Any, path: tuple[Any, ...], value: Any) -> None:
     ("path", "value", "told"),
     [
         (("tables", 0, "page"), "p. 34", "page: expected int"),
-        (("tables", 0, "number"), 10, "must be unique"),
+        (("tables", 0, "number"), "10", "must be unique"),
         (("tables", 0, "rows", 0, "values", 1), [31.73], "row .*4×4.* must hold"),
         (("tables", 0, "rows", 0, "values", 1), ["31.73 dB", 0.88], "expected float"),
         (("tables", 0, "columns", 0, "metrics"), ["vmaf", "psnr"], "vmaf"),

@@ -6,7 +6,8 @@ import pytest
 
 from supersampling.errors import UserError
 from supersampling.reporting.runs import Run
-from supersampling.reporting.selection import choose, choose_runs, matches, one_per_seed, pool_for
+from supersampling.reporting.selection import choose_runs, matches, one_per_seed, pools_for
+from supersampling.reporting.settings import choose
 
 
 def run(name: str, ended: int = 0, dataset: str = "aaaa", **params: Any) -> Run:
@@ -43,10 +44,10 @@ def test_the_data_set_with_most_runs_is_chosen_and_the_newest_of_equals() -> Non
 
 def test_a_chosen_data_set_keeps_others_out() -> None:
     runs = [run("a1"), run("a2"), run("b", dataset="bbbb", task__scale=2)]
-    other = pool_for(choose(runs, None, None), [{"task.scale": "2"}], {})
+    other = next(iter(pools_for(choose(runs, None, None), [{"task.scale": "2"}], {})), None)
     assert other is not None
     assert names(other[1]) == ["b"]
-    assert pool_for(choose(runs, "aa", None), [{"task.scale": "2"}], {}) is None
+    assert pools_for(choose(runs, "aa", None), [{"task.scale": "2"}], {}) == []
 
 
 def test_budgets_never_mix_but_untrained_methods_join() -> None:

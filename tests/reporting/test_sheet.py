@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from supersampling.reporting.published import Metric
+from supersampling.reporting.schema import Metric
 from supersampling.reporting.sheet import Sheet, Text, latex, markdown
 from supersampling.reporting.statistics import Estimate
 from supersampling.reporting.tables import number, ranks

@@ -1,5 +1,6 @@
 """Parameters and multiply-accumulates of a method, module by module, from shapes alone."""
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -92,6 +93,17 @@ def count(model: Upsampler, width: int, height: int, depth: int = 1, device: str
         ) from error
     macs = {name: sum(flops.values()) // 2 for name, flops in counter.get_flop_counts().items()}
     return [*_rows(model, type(model).__name__, macs, depth), _row("total", model, macs.get("Global", 0))]
+
+
+def size_of(model: Upsampler) -> dict[str, float]:
+    """``model/parameters``, and ``model/gmac``: 10^9 multiply-accumulates of a frame with a target of 1920x1080, rounded down to
+    the model's scale; without it where a method cannot be counted from shapes alone."""
+    size = {"model/parameters": float(sum(p.numel() for p in model.parameters()))}
+    try:
+        rows = count(copy.deepcopy(model), 1920 // model.scale, 1080 // model.scale)
+    except UserError:
+        return size
+    return size | {"model/gmac": rows[-1].macs / 1e9}
 
 
 def _row(name: str, module: nn.Module, macs: int) -> Row:

@@ -1,4 +1,4 @@
-"""The table of image crops: input, methods, target, each with a magnified detail."""
+"""The table of image crops: input, methods, target, each with a magnified detail and its error."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -6,14 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from matplotlib import colormaps
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from supersampling.reporting.overview import Method
+from supersampling.reporting.overview import Method, short_labels
 
 MAX_CROPS = 6
 DETAIL = 4
-MIN_PIXELS = 320
+MIN_PIXELS = 192
+WORST = 0.995
 FRAME = (230, 159, 0)
 _NAME = re.compile(r"(?P<number>\d+)_(?P<scene>.+?)(?P<kind>_target|_input)?\.png")
 Image8 = NDArray[np.uint8]
@@ -21,11 +23,16 @@ Image8 = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class CropRow:
-    """One crop position: the pictures' file names and their PSNR in dB against the target, by column."""
+    """One crop position: the pictures' file names and their PSNR in dB against the target, by column.
+
+    ``errors`` are maps of the absolute error of 8-bit values, from 0 to ``worst``, of every column but the target's.
+    """
 
     label: str
     images: list[str]
     details: list[str]
+    errors: list[str]
+    worst: str
     scores: list[str]
 
 
@@ -44,7 +51,7 @@ def crop_table(found: Sequence[Method], folders: Mapping[str, Path], out: Path) 
     """
     chosen = {m.label: next((folders[run.id] for run in m.runs if run.id in folders), None) for m in found}
     present = {label: folder for label, folder in chosen.items() if folder is not None}
-    columns = ["input", *present, "target"]
+    columns = ["input", *short_labels(list(present)), "target"]
     rows: list[CropRow] = []
     for number, scene in _positions(list(present.values()))[:MAX_CROPS]:
         stem = f"{number}_{scene}"
@@ -81,6 +88,13 @@ def _row(stem: str, label: str, images: Sequence[Image8], out: Path) -> CropRow:
     x, y, side = _detail_window(images[1:-1], target)
     names: list[str] = []
     details: list[str] = []
+    differences = [np.abs(image.astype(np.float64) - target).mean(axis=2) for image in images[:-1]]
+    # One scale for all columns; a few pixels alone would make the rest dark.
+    worst = max(1.0, float(np.quantile(np.stack(differences), WORST)))
+    errors = [f"crop_{stem}_{index}_error.png" for index in range(len(differences))]
+    for name, difference in zip(errors, differences):
+        painted = colormaps["magma"](np.clip(difference / worst, 0, 1), bytes=True)[..., :3]
+        _magnify(painted).save(out / name)
     for index, image in enumerate(images):
         names.append(f"crop_{stem}_{index}.png")
         details.append(f"crop_{stem}_{index}_detail.png")
@@ -91,7 +105,7 @@ def _row(stem: str, label: str, images: Sequence[Image8], out: Path) -> CropRow:
         marked.save(out / names[-1])
         _magnify(image[y : y + side, x : x + side]).save(out / details[-1])
     scores = [_psnr(image, target) for image in images[:-1]]
-    return CropRow(label, names, details, [*scores, "PSNR (dB)"])
+    return CropRow(label, names, details, errors, f"{worst:.0f}", [*scores, "PSNR (dB)"])
 
 
 def _detail_window(outputs: Sequence[Image8], target: Image8) -> tuple[int, int, int]:

@@ -11,11 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.figure import Figure
 
-from supersampling.reporting.estimates import ClipTables
-from supersampling.reporting.overview import Method
+from supersampling.reporting.estimates import ClipTables, estimate
+from supersampling.reporting.overview import Method, short_labels
 from supersampling.reporting.runs import Store
+from supersampling.reporting.statistics import Estimate
 
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000", "#7F7F7F")
+MARKS = "osD^vP*X"
 DASHES = ("-", "--", "-.", ":")
 CLIPS_A_ROW = 10
 STYLE: dict[Any, Any] = {
@@ -28,7 +30,8 @@ WIDTH = 6.7
 
 def frames_figure(found: Sequence[Method], frames: ClipTables, path: Path) -> int:
     """PSNR of every test frame, clip after clip (the thesis's figure 8); returns how many methods have frames."""
-    series = {m.label: s for m in found if (s := _frame_means(m, frames)) is not None}
+    means = [(m.label, s) for m in found if (s := _frame_means(m, frames)) is not None]
+    series = dict(zip(short_labels([label for label, _ in means]), (s for _, s in means)))
     if not series:
         return 0
     clips = sorted({key[:2] for values in series.values() for key in values.index})
@@ -43,7 +46,7 @@ def frames_figure(found: Sequence[Method], frames: ClipTables, path: Path) -> in
         axes[-1].set_xlabel("frame, clip after clip")
         handles, labels = axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=min(5, len(labels)))
-        _save(figure, path)
+        save(figure, path)
     return len(series)
 
 
@@ -108,11 +111,52 @@ def training_figure(found: Sequence[Method], store: Store, path: Path) -> int:
             ax.set_xlabel("training step")
         handles, labels = axes[1].get_legend_handles_labels() or axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=2)
-        _save(figure, path)
+        save(figure, path)
     return len(histories)
 
 
-def _save(figure: Figure, path: Path) -> None:
+def front_figure(found: Sequence[Method], clips: ClipTables, path: Path) -> int:
+    """PSNR against parameters and against training time; returns how many learned methods are drawn."""
+    scored = [(m, value) for m in found if (value := estimate(m.runs, "psnr", clips)) is not None]
+    learned = [(m, value) for m, value in scored if m.leading and m.average("model/parameters") > 0]
+    if not learned:
+        return 0
+    labels = short_labels([m.label for m, _ in learned])
+    classical = max((value.mean for m, value in scored if m.classical), default=None)
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+        axes = figure.subplots(1, 2, sharey=True)
+        for ax, metric, title in zip(
+            axes, ("model/parameters", "train/minutes"), ("parameters", "minutes of training")
+        ):
+            points = [(label, m.average(metric), value) for label, (m, value) in zip(labels, learned)]
+            scatter(ax, [point for point in points if point[1] > 0])
+            if classical is not None:
+                ax.axhline(classical, color="0.5", linestyle="--", linewidth=0.7)
+            ax.set_xlabel(title)
+        axes[0].set_ylabel("PSNR (dB)")
+        save(figure, path)
+    return len(learned)
+
+
+def scatter(ax: Axes, points: Sequence[tuple[str, float, Estimate]]) -> None:
+    """Named points over a cost, logarithmic if it spans a factor of ten."""
+    by_cost = sorted(range(len(points)), key=lambda index: points[index][1:2])
+    for place, index in enumerate(by_cost):  # a method has one colour and mark in every panel
+        label, cost, value = points[index]
+        colour = COLOURS[index % len(COLOURS)]
+        ax.plot(cost, value.mean, MARKS[index % len(MARKS)], color=colour, markersize=5)
+        above = 5 if place % 2 == 0 else -11
+        ax.annotate(
+            label, (cost, value.mean), (0, above), textcoords="offset points", ha="center", color=colour
+        )
+    costs = [cost for _, cost, _ in points]
+    if costs and max(costs) >= 10 * min(costs):
+        ax.set_xscale("log")
+    ax.margins(x=0.15, y=0.2)
+
+
+def save(figure: Figure, path: Path) -> None:
     """As PDF without a date, so that the same runs give the same bytes."""
     FigureCanvasPdf(figure).print_pdf(
         path, metadata={"CreationDate": None, "Producer": None, "Creator": None}

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from supersampling.reporting.estimates import ClipTables, clip_scores, difference, estimate, scenes_of
-from supersampling.reporting.published import Paper
 from supersampling.reporting.runs import Run
+from supersampling.reporting.schema import Paper
 from supersampling.reporting.selection import configurations, matches, one_per_seed, settings
 from supersampling.reporting.sheet import Sheet, Text
 from supersampling.reporting.statistics import Estimate, bootstrap_mean
@@ -37,12 +37,12 @@ class Method:
         return float(np.mean(values)) if values else math.nan
 
 
-def methods(runs: Sequence[Run], paper: Paper) -> list[Method]:
+def methods(runs: Sequence[Run], papers: Sequence[Paper]) -> list[Method]:
     """The configurations of one setting, classical ones first; a label names what differs from the model's leading one."""
     found: list[Method] = []
     for model in sorted({run.model for run in runs}):
         groups = configurations(run for run in runs if run.model == model)
-        leader = _leader(groups, paper)
+        leader = _leader(groups, papers)
         thetas = {settings(group[0]).get("loss.theta") for group in groups}
         for group in sorted(groups, key=lambda group: (group is not leader, _label(group[0], leader[0]))):
             label = _label(group[0], leader[0])
@@ -55,9 +55,10 @@ def methods(runs: Sequence[Run], paper: Paper) -> list[Method]:
     )
 
 
-def _leader(groups: Sequence[list[Run]], paper: Paper) -> list[Run]:
-    """The configuration that stands in the paper's first table, else the one nearest to the most common settings."""
-    first = [{**paper.tables[0].base, **c.select} for c in paper.tables[0].columns if c.select is not None]
+def _leader(groups: Sequence[list[Run]], papers: Sequence[Paper]) -> list[Run]:
+    """The configuration that stands in a paper's first table, else the one nearest to the most common settings."""
+    tables = [paper.tables[0] for paper in papers]
+    first = [{**table.base, **c.select} for table in tables for c in table.columns if c.select]
     common = Counter(item for group in groups for item in settings(group[0]).items())
 
     def rank(group: list[Run]) -> tuple[bool, int]:
@@ -73,6 +74,12 @@ def _label(run: Run, leader: Run) -> str:
         f"{name.removeprefix('model.')}={value}" for name, value in ours.items() if theirs.get(name) != value
     ]
     return ", ".join([leader.method, *differing])
+
+
+def short_labels(labels: Sequence[str]) -> list[str]:
+    """The labels' first words where these tell them apart."""
+    words = [label.split(" ")[0].rstrip(",") for label in labels]
+    return words if len(set(words)) == len(words) else list(labels)
 
 
 def best_classical(found: Sequence[Method], tables: ClipTables) -> Method | None:

@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -19,6 +21,8 @@ from supersampling.metrics import scores
 
 DOWNLOADS_AT_ONCE = 8
 Kind = Literal["job", "evaluation"]
+PAGE = 500
+_OF_SCENE = re.compile(r"test/.+/.+")
 
 
 @dataclass(frozen=True)
@@ -48,14 +52,18 @@ class Run:
 
 @dataclass(frozen=True)
 class Experiment:
-    """The finished runs of an experiment, oldest first, and how many did not finish."""
+    """The finished runs of an experiment, oldest first, how many did not finish, and its id in the store."""
 
     runs: list[Run]
     unfinished: int
+    id: str
 
 
 class Store:
-    """An MLflow tracking store. ``folder`` receives the downloaded artifacts."""
+    """An MLflow tracking store. ``folder`` receives the downloaded artifacts.
+
+    ``problems`` says, by a run's id, which artifacts could not be read and why; those runs count as without them.
+    """
 
     def __init__(self, tracking_uri: str, folder: Path) -> None:
         # A dead server must be told in seconds; MLflow's own patience is minutes.
@@ -68,6 +76,7 @@ class Store:
             raise UserError(f"there is no MLflow store at '{database}': train first, or set tracking_uri")
         self.uri = tracking_uri
         self.folder = folder
+        self.problems: dict[str, str] = {}
 
     @cached_property
     def _client(self) -> MlflowClient:
@@ -80,7 +89,7 @@ class Store:
         """
         try:
             found = self._client.get_experiment_by_name(name)
-            jobs = [job for kind in kinds for job in self._jobs(found.experiment_id, kind)] if found else []
+            finished, unfinished = self._jobs(found.experiment_id, kinds) if found is not None else ([], 0)
         except (MlflowException, OSError) as error:
             reason = str(error).splitlines()[0][:200]
             raise UserError(
@@ -90,25 +99,30 @@ class Store:
             raise UserError(
                 f"the MLflow store '{self.uri}' has no experiment '{name}': train first, or set experiment"
             )
-        finished = [_run(job) for job in jobs if job.info.status == "FINISHED"]
         if not finished:
             raise UserError(
-                f"the experiment '{name}' in '{self.uri}' has no finished run ({len(jobs)} others): train first"
+                f"the experiment '{name}' in '{self.uri}' has no finished run ({unfinished} others): train first"
             )
         newest = {run.identity: run for run in sorted(finished, key=lambda run: (run.ended, run.id))}
-        return Experiment(list(newest.values()), len(jobs) - len(finished))
+        return Experiment(list(newest.values()), unfinished, found.experiment_id)
 
-    def _jobs(self, experiment_id: str, kind: Kind) -> list[MlflowRun]:
-        jobs: list[MlflowRun] = []
-        token = None
-        while True:
-            page = self._client.search_runs(
-                [experiment_id], f"tags.`ss.kind` = '{kind}'", max_results=500, page_token=token
-            )
-            jobs.extend(page)
-            token = page.token
-            if not token:
-                return jobs
+    def _jobs(self, experiment_id: str, kinds: Sequence[Kind]) -> tuple[list[Run], int]:
+        """The finished runs of these kinds, page by page, and the number of the others."""
+        finished: list[Run] = []
+        unfinished = 0
+        for kind in kinds:
+            token = None
+            while True:
+                page = self._client.search_runs(
+                    [experiment_id], f"tags.`ss.kind` = '{kind}'", max_results=PAGE, page_token=token
+                )
+                done = [_run(job) for job in page if job.info.status == "FINISHED"]
+                finished.extend(done)
+                unfinished += len(page) - len(done)
+                token = page.token
+                if not token:
+                    break
+        return finished, unfinished
 
     def tables(self, runs: Sequence[Run], level: Literal["frames", "clips"]) -> dict[str, pd.DataFrame]:
         """The scores of each run by the run's id, a row for each frame or clip; a run without them is left out.
@@ -117,9 +131,16 @@ class Store:
         row of each scene, clip and frame.
         """
         files = self._download(runs, scores.FILE)
-        found = {run: getattr(scores.read_scores(path), level) for run, path in files.items()}
-        older = self._download([run for run in runs if run.id not in found], f"{level}.json")
-        return found | {run: _read_table(path) for run, path in older.items()}
+        older = self._download([run for run in runs if run.id not in files], f"{level}.json")
+        found: dict[str, pd.DataFrame] = {}
+        for run, path in {**files, **older}.items():
+            try:
+                found[run] = getattr(scores.read_scores(path), level) if run in files else _read_table(path)
+            except (UserError, ValueError, KeyError) as error:
+                self.problems[run] = f"{path.name} cannot be read ({_first_line(error)})"
+            if path.is_relative_to(self.folder):  # a copy
+                path.unlink()
+        return found
 
     def folders(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
         """An artifact folder of each run on the local disk; a run without it is left out."""
@@ -133,13 +154,21 @@ class Store:
             target.mkdir(parents=True, exist_ok=True)
             return Path(self._client.download_artifacts(run.id, name, str(target)))
 
-        try:
-            with ThreadPoolExecutor(DOWNLOADS_AT_ONCE) as pool:
-                paths = list(pool.map(fetch, runs))
-        except (MlflowException, OSError) as error:
+        def attempt(run: Run) -> Path | None:
+            try:
+                return fetch(run)
+            except (MlflowException, OSError) as error:
+                failed[run.id] = f"{name} could not be downloaded ({_first_line(error)})"
+                return None
+
+        failed: dict[str, str] = {}
+        with ThreadPoolExecutor(DOWNLOADS_AT_ONCE) as pool:
+            paths = list(pool.map(attempt, runs))
+        if runs and len(failed) == len(runs):
             raise UserError(
-                f"'{name}' could not be downloaded from '{self.uri}' ({error}): try again"
-            ) from error
+                f"'{self.uri}' gave none of the runs' artifacts ({min(failed.values())}): try again"
+            )
+        self.problems |= failed
         return {run.id: path for run, path in zip(runs, paths) if path is not None}
 
     def history(self, run: Run, metric: str) -> list[tuple[int, float]]:
@@ -163,10 +192,15 @@ def _run(job: MlflowRun) -> Run:
         machine=tags.get("ss.machine", "unknown"),
         version=tags.get("ss.version", "unknown"),
         ended=job.info.end_time or 0,
-        params=params,
-        metrics=dict(job.data.metrics),
+        params={sys.intern(k): sys.intern(v) for k, v in params.items()},
+        # Scenes' own averages are in the clip tables.
+        metrics={sys.intern(k): v for k, v in job.data.metrics.items() if not _OF_SCENE.fullmatch(k)},
         kind=kind,
     )
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0][:160]
 
 
 def _read_table(path: Path) -> pd.DataFrame:

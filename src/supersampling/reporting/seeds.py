@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from supersampling.errors import UserError
 from supersampling.reporting.runs import Run
-from supersampling.reporting.selection import Setting, configurations, matches, one_per_seed, settings
+from supersampling.reporting.selection import configurations, matches, one_per_seed, settings
+from supersampling.reporting.settings import Setting
 
 SHORT = 8
 

@@ -5,116 +5,76 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-from supersampling.errors import UserError
-from supersampling.reporting.published import Selection
 from supersampling.reporting.runs import Run
+from supersampling.reporting.schema import Selection
+from supersampling.reporting.settings import Choice, Setting, newest
 
 RESULT_SETTINGS = (
     "model.", "task.", "loss", "optimizer", "augment", "pick", "trainer.precision", "budget.", "data.train.",
     "protocol",
 )  # fmt: skip
-UNTRAINED = ""
+# What a data set and a budget derive from the task.
+FOLLOWS_TASK = {"data.train", "budget.crop"}
 Key = TypeVar("Key", bound=Hashable)
 Settings = dict[str, str]
 
 
-@dataclass(frozen=True, order=True)
-class Setting:
-    """What runs of one comparison have in common: data set (fingerprint), its preset, scale, mip bias, and budget.
-
-    A method that is not trained has no budget (`UNTRAINED`) and joins the runs of every budget.
-    """
-
-    dataset: str
-    data: str
-    scenes: str
-    scale: str
-    mip_bias: str
-    budget: str
-
-    @classmethod
-    def of(cls, run: Run) -> "Setting":
-        data, scenes, scale, bias = (
-            run.params.get(name, "unknown") for name in ("data", "data.scenes", "task.scale", "task.mip_bias")
-        )
-        scenes = ", ".join(sorted(scenes.split(",")))
-        return cls(run.dataset, data, scenes, scale, bias, run.params.get("budget", UNTRAINED))
-
-    def __str__(self) -> str:
-        scale = f"{self.scale}×{self.scale}"
-        return (
-            f"{scale}, {self.mip_bias}, data={self.data} ({self.dataset[:8]}), budget={self.budget or 'none'}"
-        )
-
-
-@dataclass(frozen=True)
-class Choice:
-    """The setting that a report is about, and the runs of every setting with its budget, the report's own first."""
-
-    setting: Setting
-    pools: dict[Setting, list[Run]]
-
-
-def choose(runs: Sequence[Run], dataset: str | None, budget: str | None) -> Choice:
-    """The setting with the most runs, the newest among equals; ``dataset`` (a fingerprint's prefix) and ``budget`` narrow.
-
-    Without ``dataset`` other data sets of the same budget stay at hand for the rows that the chosen one cannot fill.
-    """
-    if dataset is not None:
-        known = sorted({run.dataset for run in runs})
-        hits = [name for name in known if name.startswith(dataset)]
-        if len(hits) != 1:
-            problem = "names no data set" if not hits else "names several data sets"
-            raise UserError(
-                f"dataset='{dataset}' {problem} of the experiment: choose one of {', '.join(known)}"
-            )
-        runs = [run for run in runs if run.dataset == hits[0]]
-    if budget is not None:
-        budgets = sorted({Setting.of(run).budget for run in runs} - {UNTRAINED})
-        runs = [run for run in runs if Setting.of(run).budget in (budget, UNTRAINED)]
-        if budget not in budgets:
-            raise UserError(f"budget='{budget}' has no finished run here: choose one of {', '.join(budgets)}")
-    pools = _pools(runs)
-    best = max(pools, key=lambda setting: (len(pools[setting]), _newest(pools[setting]), setting))
-
-    def order(setting: Setting) -> tuple[object, ...]:
-        far = (setting != best, setting.dataset != best.dataset, setting.data != best.data)
-        return (*far, -len(pools[setting]), -_newest(pools[setting]), setting)
-
-    return Choice(
-        best, {key: pools[key] for key in sorted(pools, key=order) if key.budget in (best.budget, UNTRAINED)}
+def matches(run: Run, selection: Selection) -> bool:
+    """Whether every named parameter has the selected value, of ``one|other`` either; numbers compare as numbers."""
+    return all(
+        any(_same(run.params.get(name), one) for one in value.split("|")) for name, value in selection.items()
     )
 
 
-def _pools(runs: Sequence[Run]) -> dict[Setting, list[Run]]:
-    """Runs by setting; those without a budget join every budget of their data set."""
-    pools: dict[Setting, list[Run]] = defaultdict(list)
-    for run in runs:
-        pools[Setting.of(run)].append(run)
-    for setting in [setting for setting in pools if setting.budget == UNTRAINED]:
-        trained = [s for s in pools if s.budget != UNTRAINED and replace(s, budget=UNTRAINED) == setting]
-        for other in trained:
-            pools[other].extend(pools[setting])
-        if trained:
-            del pools[setting]
-    return dict(pools)
-
-
-def matches(run: Run, selection: Selection) -> bool:
-    """Whether every named parameter of the run has the selected value; numbers compare as numbers."""
-    return all(_same(run.params.get(name), value) for name, value in selection.items())
-
-
-def pool_for(
+def pools_for(
     choice: Choice, selections: Iterable[Selection], prefer: Selection
-) -> tuple[Setting, list[Run]] | None:
-    """The first pool that can fill any of the selections, those of the preferred parameters first."""
+) -> list[tuple[Setting, list[Run]]]:
+    """The pools that can fill any of the selections, those of the preferred parameters first.
+
+    Where the selections differ in the task (``task.scale`` 2 and 4) no data set holds them all: then the pools of one
+    preset, its scenes and one budget count as one, a data set for each task.
+    """
     wanted = list(selections)
-    pools = sorted(choice.pools.items(), key=lambda item: not all(matches(run, prefer) for run in item[1]))
-    for setting, runs in pools:
-        if any(matches(run, selection) for run in runs for selection in wanted):
-            return setting, runs
-    return None
+    pools = _across_tasks(choice) if _sweep_tasks(wanted) else list(choice.pools.items())
+    pools.sort(key=lambda item: not all(matches(run, prefer) for run in item[1]))
+    return [
+        (setting, runs)
+        for setting, runs in pools
+        if any(matches(run, selection) for run in runs for selection in wanted)
+    ]
+
+
+def _sweep_tasks(selections: Iterable[Selection]) -> bool:
+    """Whether the selections name different tasks."""
+    tasks = [{item for item in selection.items() if item[0].startswith("task.")} for selection in selections]
+    return any(task != tasks[0] for task in tasks)
+
+
+def _across_tasks(choice: Choice) -> list[tuple[Setting, list[Run]]]:
+    groups: dict[tuple[str, str], dict[tuple[tuple[str, str], ...], Setting]] = defaultdict(dict)
+    for setting, runs in choice.pools.items():
+        task = tuple(sorted(item for item in runs[0].params.items() if item[0].startswith("task.")))
+        groups[setting.data, setting.scenes].setdefault(task, setting)
+    return [
+        (
+            _joined(list(members.values())),
+            [run for setting in members.values() for run in choice.pools[setting]],
+        )
+        for members in groups.values()
+    ]
+
+
+def _joined(settings: Sequence[Setting]) -> Setting:
+    def every(values: Iterable[str]) -> str:
+        return ", ".join(dict.fromkeys(values))
+
+    return replace(
+        settings[0],
+        dataset=every(s.dataset for s in settings),
+        scale=every(sorted(s.scale for s in settings)),
+        mip_bias=every(s.mip_bias for s in settings),
+        budget=max(s.budget for s in settings),  # of one budget, or untrained
+    )
 
 
 @dataclass(frozen=True)
@@ -132,13 +92,21 @@ def choose_runs(runs: Sequence[Run], selections: Mapping[Key, Selection]) -> Cho
     no setting that both have.
     """
     swept = {name for selection in selections.values() for name in selection}
+    # What every cell leaves open in the same way is as good as unnamed.
+    swept -= {
+        name
+        for name in swept
+        if len(values := {s.get(name) for s in selections.values()}) == 1 and "|" in str(values)
+    }
+    if _sweep_tasks(selections.values()):
+        swept |= FOLLOWS_TASK
     found = {key: [run for run in runs if matches(run, selection)] for key, selection in selections.items()}
     leaders = _leaders(found, swept)
     cells: dict[Key, list[Run]] = {}
     left_out: dict[str, Run] = {}
     for key, candidates in found.items():
         fitting = [run for run in candidates if _agree(settings(run, swept), leaders[run.model])]
-        groups = configurations(fitting, swept)
+        groups = configurations(fitting)
         lead = [group for group in groups if settings(group[0], swept) == leaders[group[0].model]]
         cells[key] = one_per_seed((lead or groups)[0]) if groups else []
         left_out.update({run.id: run for run in candidates if run not in cells[key]})
@@ -151,13 +119,16 @@ def configurations(runs: Iterable[Run], without: Iterable[str] = ()) -> list[lis
     skipped = set(without)
     for run in runs:
         groups[tuple(sorted({**settings(run, skipped), "model": run.model}.items()))].append(run)
-    return sorted(groups.values(), key=lambda group: (-len(group), -_newest(group), group[0].id))
+    return sorted(groups.values(), key=lambda group: (-len(group), -newest(group), group[0].id))
 
 
 def settings(run: Run, without: Iterable[str] = ()) -> Settings:
-    """The parameters that can change a result of its model, less those named and what belongs to them (``name.x``)."""
+    """The parameters that can change a result of its model, less those named and what belongs to them (``name.x``).
+
+    Runs of one model agree in ``model.x`` also where ``model`` is named.
+    """
     skipped = tuple(without)
-    inner = tuple(f"{name}." for name in skipped)
+    inner = tuple(f"{name}." for name in skipped if name != "model")
     return {
         name: value
         for name, value in sorted(run.params.items())
@@ -199,7 +170,3 @@ def _same(have: str | None, want: str) -> bool:
         return float(have) == float(want)
     except ValueError:
         return False
-
-
-def _newest(runs: Sequence[Run]) -> int:
-    return max(run.ended for run in runs)

@@ -3,12 +3,14 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
-Style = Literal["plain", "bold", "underline", "muted"]
+Style = Literal["plain", "bold", "underline", "muted", "yes", "no", "open"]
+# Okabe and Ito's blue and vermilion, and a grey: told apart by colour-blind readers. The words say the same.
+VERDICT_COLOURS = {"yes": "0072B2", "no": "D55E00", "open": "6B6B6B"}
 
 
 @dataclass(frozen=True)
 class Text:
-    """The text of one table cell; ``muted`` is for what is not ours or not there."""
+    """The text of one table cell; ``muted`` is for what is not ours or not there, yes, no and open are verdicts."""
 
     text: str
     style: Style = "plain"
@@ -33,10 +35,11 @@ class Sheet:
 
 def markdown(sheet: Sheet) -> str:
     """A pipe table; a spanning head goes in front of each of its columns' heads."""
-    over = [text for text, span in sheet.groups for _ in range(span)]
+    over = [text for text, span in sheet.groups for _ in range(span)] or [""] * len(sheet.headers)
     heads = [_pipe(f"{group} {head}".strip()) for group, head in zip(over, sheet.headers)]
     align = ["---"] * sheet.labels + ["---:"] * (len(heads) - sheet.labels)
     wrap = {"plain": "{}", "bold": "**{}**", "underline": "<u>{}</u>", "muted": "*{}*"}
+    wrap |= dict.fromkeys(VERDICT_COLOURS, "**{}**")
     body = [
         [wrap[cell.style].format(_pipe(cell.text)) if cell.text else "" for cell in row] for row in sheet.rows
     ]
@@ -61,6 +64,8 @@ def latex(sheet: Sheet) -> str:
         "underline": r"\underline{{{}}}",
         "muted": r"\textcolor{{gray}}{{{}}}",
     }
+    for style, colour in VERDICT_COLOURS.items():
+        wrap[style] = rf"\textcolor[HTML]{{{{{colour}}}}}{{{{{{}}}}}}"
     for index, row in enumerate(sheet.rows):
         if index in sheet.rules and index:
             lines.append(r"\addlinespace")
@@ -76,7 +81,7 @@ _TEX = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
     "±": r"$\pm$", "×": r"$\times$", "−": "$-$", "θ": r"$\theta$", "Δ": r"$\Delta$", "₀": "$_0$", "₁": "$_1$",
-    "–": "--", "∞": r"$\infty$", "·": r"$\cdot$", "\n": " ",
+    "–": "--", "∞": r"$\infty$", "≥": r"$\geq$", "·": r"$\cdot$", "\n": " ",
 }  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
 from supersampling.metrics.chosen import Metrics
 from supersampling.models.base import Upsampler
+from supersampling.profiling.count import size_of
 from supersampling.training.check import check_numbers
 from supersampling.training.fit import choose_constants, fit, load_weights
 from supersampling.training.identity import WEIGHTS_ONLY, flat_parameters, identity
@@ -201,13 +202,8 @@ class Job:
     def _score(self, model: Upsampler, metrics: Metrics, run_id: str, again: bool) -> None:
         result = evaluate(model, metrics, instantiate(self.cfg.protocol), self.files["test"])
         older = scores_of(self.experiment, run_id) if again else None
-        count = sum(p.numel() for p in model.parameters())
-        log_result(
-            self.experiment,
-            run_id,
-            result if older is None else result.keep(older),
-            {"model/parameters": float(count)},
-        )
+        kept = result if older is None else result.keep(older)
+        log_result(self.experiment, run_id, kept, size_of(model))
 
 
 # The stages that a method is published with; a run that swaps one says so in its name.

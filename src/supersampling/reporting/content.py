@@ -1,0 +1,242 @@
+"""What one report holds, as the template prints it; its tables and figures are also written as files of their own."""
+
+import dataclasses
+import math
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from supersampling.reporting import (
+    claim_sheets,
+    crops,
+    datasets,
+    figures,
+    overview,
+    plots,
+    sheet,
+    table_sheets,
+)
+from supersampling.reporting.claims import Judged
+from supersampling.reporting.material import Material, PaperRuns, figure_runs
+from supersampling.reporting.overview import Method
+from supersampling.reporting.published import name_of, stem_of
+from supersampling.reporting.runs import Run
+from supersampling.reporting.schema import Paper, where_in
+from supersampling.reporting.sheet import Sheet
+from supersampling.reporting.tables import Filled, fill
+
+Data = dict[str, Any]
+Cell = tuple[str, list[Run]]
+CROP_METHODS = 7
+OVERVIEW = "overview"
+
+
+def paper_content(one: PaperRuns, material: Material, made: Path) -> Data:
+    """A paper's claims, tables, figures and pictures."""
+    paper, stem = one.paper, made / one.paper.paper
+    judged = material.judged[paper.paper]
+    filled = [fill(table, paper, material.clips) for table in one.tables]
+    theirs = [part for item in filled for part in table_sheets.sheets(item, paper)]
+    facts, pictures = table_sheets.fact_sheets(paper), table_sheets.picture_sheet(paper)
+    summary = material.summary
+    _export([summary, *facts, *pictures], stem)
+    _words(theirs, stem)
+    _words([claim_sheets.sheet(judged, paper)] if judged else [], stem)
+    for item in filled:
+        _rows(table_sheets.long_form(item, paper), f"{stem}_table{stem_of(item.table.number)}.csv")
+    if judged:
+        _rows(claim_sheets.long_form(judged), f"{stem}_claims.csv")
+    drawn = [_figure(figure, paper, material, stem) for figure in one.figures]
+    cells = _cells(material.found, filled, judged, one)
+    methods = crop_methods(material, {run.model for run in one.runs})
+    return {
+        "title": paper.title,
+        "subtitle": "Our runs beside the published numbers",
+        "byline": f"{paper.authors}, {paper.source}",
+        "short": paper.short,
+        "facts": datasets.header(material, [run for _, runs in cells for run in runs]),
+        "claims": [_claims(judged, paper, cells)] if judged else [],
+        "overview": [dataclasses.asdict(summary)],
+        "tables": [dataclasses.asdict(item) for item in theirs],
+        "words": [dataclasses.asdict(item) for item in (*facts, *pictures)],
+        "figures": drawn,
+        "crops": dataclasses.asdict(crops.crop_table(methods, material.crops, made)),
+        **_appendix(cells, material),
+    }
+
+
+def overview_content(material: Material, made: Path) -> Data:
+    """All methods, all claims, and what the data set holds."""
+    stem = made / OVERVIEW
+    found, clips = material.found, material.clips
+    judged = [(one.paper, material.judged[one.paper.paper]) for one in material.papers]
+    ours = [material.summary, *overview.by_scene(found, clips)]
+    data = datasets.sheet(material)
+    _export([*ours, data], stem)
+    every = [claim for _, claims in judged for claim in claims]
+    if every:
+        _rows(claim_sheets.long_form(every), f"{stem}_claims.csv")
+    cells: list[Cell] = [(f"All methods · {method.label}", method.runs) for method in found]
+    cells += [cell for _, claims in judged for cell in _claim_cells(claims)]
+    left = material.configurations - len(found)
+    note = f"{left} configurations that do not lead their model are left out." if left else ""
+    return {
+        "title": "All methods and all claims",
+        "subtitle": "What our runs say of the papers",
+        "byline": "; ".join(one.paper.title for one in material.papers),
+        "short": "paper",
+        "facts": datasets.header(material, [run for _, runs in cells for run in runs]),
+        "claims": [_claims(claims, paper, cells) for paper, claims in judged if claims],
+        "overview": [dataclasses.asdict(item) for item in ours],
+        "overview_note": note,
+        "tables": [],
+        "words": [dataclasses.asdict(data)],
+        "figures": _own_figures(material, stem),
+        "crops": dataclasses.asdict(crops.crop_table(crop_methods(material, set()), material.crops, made)),
+        **_appendix(cells, material),
+    }
+
+
+def crop_methods(material: Material, models: set[str]) -> list[Method]:
+    """As many leading methods as fit a page's width: those of ``models`` first, then the better ones."""
+
+    def rank(method: Method) -> tuple[bool, float]:
+        psnr = method.average("test/psnr")
+        return method.runs[0].model not in models, -math.inf if math.isnan(psnr) else -psnr
+
+    kept = {method.label for method in sorted(material.leading, key=rank)[:CROP_METHODS]}
+    return [method for method in material.leading if method.label in kept]
+
+
+def _figure(chosen: plots.FigureRuns, paper: Paper, material: Material, stem: Path) -> Data:
+    figure = chosen.figure
+    metric = next((m for m in paper.metrics.values() if m.ours == figure.metric), None)
+    label = table_sheets.metric_label(metric) if metric else figure.metric
+    path = Path(f"{stem}_figure{stem_of(figure.number)}.pdf")
+    drawn = plots.draw(chosen, material.clips, material.frames, label, path)
+    title = f"{figure.title.rstrip('.')} ({where_in(figure.section, figure.page)})."
+    notes = [f"After {name_of(figure.number, 'Figure')} {paper.of}: {title}", figure.note]
+    if chosen.setting is not None:
+        notes.append(f"Ours: {chosen.setting}.")
+    if chosen.missing:
+        notes.append(
+            f"Not run: {', '.join(chosen.missing)}" + (f" (sweeps={figure.sweep})." if figure.sweep else ".")
+        )
+    return {"file": path.name if drawn else "", "caption": " ".join(note for note in notes if note)}
+
+
+def _own_figures(material: Material, stem: Path) -> list[Data]:
+    """Frames, training, and quality against cost, of the methods themselves."""
+    learned = [method for method in material.found if not method.classical]
+    front = figures.front_figure(material.found, material.clips, Path(f"{stem}_front.pdf"))
+    frames = figures.frames_figure(material.leading, material.frames, Path(f"{stem}_frames.pdf"))
+    trained = figures.training_figure(material.found, material.store, Path(f"{stem}_training.pdf"))
+    captions = [
+        ("front", front, "PSNR over the test set against parameters and minutes of training, for the leading configuration "
+            "of each learned method. The dashed line is the best method without parameters."),
+        ("training", trained, f"Training loss and validation PSNR by step, one line a seed, {trained} of {len(learned)} trained "
+            "configurations. Losses of different kinds do not compare."),
+        ("frames", frames, "PSNR of every test frame, clip after clip, for the leading configuration of each method, mean over "
+            "its seeds."),
+    ]  # fmt: skip
+    return [
+        {"file": f"{stem.name}_{name}.pdf", "caption": caption} for name, count, caption in captions if count
+    ]
+
+
+def _claims(judged: Sequence[Judged], paper: Paper, cells: Sequence[Cell]) -> Data:
+    return {
+        "paper": f"{paper.authors.split(',')[0]}: {paper.title}",
+        "short": paper.short,
+        "counts": [list(item) for item in claim_sheets.counts(judged)],
+        "rows": claim_sheets.rows(judged, _keys(cells)),
+    }
+
+
+def _export(items: Iterable[Sheet], stem: Path) -> None:
+    """Sheets as CSV (as typeset), Markdown and LaTeX."""
+    for item in items:
+        typeset = pd.DataFrame([[cell.text for cell in row] for row in item.rows], columns=item.headers)
+        typeset.to_csv(f"{stem}_{item.name}.csv", index=False, lineterminator="\n")
+        _words([item], stem)
+
+
+def _words(items: Iterable[Sheet], stem: Path) -> None:
+    for item in items:
+        Path(f"{stem}_{item.name}.md").write_text(sheet.markdown(item), encoding="utf-8")
+        Path(f"{stem}_{item.name}.tex").write_text(sheet.latex(item), encoding="utf-8")
+
+
+def _rows(rows: Sequence[dict[str, object]], path: str) -> None:
+    pd.DataFrame(rows).to_csv(path, index=False, lineterminator="\n")
+
+
+def _cells(
+    found: Sequence[Method], filled: Sequence[Filled], judged: Sequence[Judged], one: PaperRuns
+) -> list[Cell]:
+    """Everything that our runs fill, named, with its runs."""
+    cells = [(f"Methods · {method.label}", method.runs) for method in found]
+    for item in filled:
+        name = name_of(item.table.number)
+        by_row = item.table.compare == "column" and len(
+            {tuple(r.id for r in runs) for runs in item.runs.values()}
+        ) < len(item.runs)
+        for (row, column), runs in sorted(item.runs.items()):
+            labels = "/".join(item.table.rows[row].labels)
+            if not by_row:
+                cells.append((f"{name} · {labels} · {item.table.columns[column].label}", runs))
+            elif column == min(c for r, c in item.runs if r == row):
+                cells.append((f"{name} · {labels}", runs))
+    figure_cells = [(f"Figure {figure.figure.number}", figure_runs(figure)) for figure in one.figures]
+    return cells + _claim_cells(judged) + [cell for cell in figure_cells if cell[1]]
+
+
+def _claim_cells(judged: Sequence[Judged]) -> list[Cell]:
+    return [
+        (f"Claim {item.claim.id} · {label}", runs)
+        for item in judged
+        for label, runs in item.chosen.runs.items()
+        if runs
+    ]
+
+
+def _keys(cells: Sequence[Cell]) -> dict[str, str]:
+    """``R1``, ``R2`` ... by run id."""
+    runs = {run.id: run for _, chosen in cells for run in chosen}
+    order = sorted(runs.values(), key=lambda run: (run.model, run.name, run.seed, run.id))
+    return {run.id: f"R{index + 1}" for index, run in enumerate(order)}
+
+
+def _appendix(cells: Sequence[Cell], material: Material) -> Data:
+    """The runs in use, numbered, each with a link to the MLflow UI if there is one, and the numbers behind each cell."""
+    keys, runs = _keys(cells), {run.id: run for _, chosen in cells for run in chosen}
+    return {
+        "runs": [
+            [
+                key,
+                runs[id].name,
+                id[:12],
+                runs[id].identity[:12],
+                runs[id].dataset[:8],
+                runs[id].seed,
+                link(id, material),
+            ]
+            for id, key in keys.items()
+        ],
+        "cells": [[name, " ".join(keys[run.id] for run in chosen)] for name, chosen in cells],
+        "problems": [
+            [keys.get(id, id[:12]), why] for id, why in sorted(material.store.problems.items()) if id in keys
+        ],
+    }
+
+
+def link(run_id: str, material: Material) -> str:
+    """The run's page in the MLflow UI; empty where the store is no server."""
+    uri = material.store.uri.rstrip("/")
+    return (
+        f"{uri}/#/experiments/{material.experiment.id}/runs/{run_id}"
+        if uri.startswith(("http://", "https://"))
+        else ""
+    )

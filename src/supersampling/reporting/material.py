@@ -1,0 +1,112 @@
+"""What reports are made from: which runs each paper's cells, claims and figures take, and those runs' scores.
+
+Runs are chosen by their parameters alone, so that scores are downloaded for the chosen ones only, once for all papers.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import pandas as pd
+
+from supersampling.reporting import claims, overview, plots, tables
+from supersampling.reporting.estimates import indexed
+from supersampling.reporting.overview import Method
+from supersampling.reporting.runs import Experiment, Run, Store
+from supersampling.reporting.schema import Paper
+from supersampling.reporting.settings import Choice
+from supersampling.reporting.sheet import Sheet
+
+MAX_METHODS = 24
+
+
+@dataclass(frozen=True)
+class PaperRuns:
+    """A paper and the runs that its tables, claims and figures take."""
+
+    paper: Paper
+    tables: list[tables.TableRuns]
+    claims: list[claims.Chosen]
+    figures: list[plots.FigureRuns]
+
+    @classmethod
+    def of(cls, paper: Paper, choice: Choice) -> "PaperRuns":
+        return cls(
+            paper,
+            [tables.choose_table(table, choice) for table in paper.tables],
+            [claims.choose_claim(claim, choice) for claim in paper.claims],
+            [plots.choose_figure(figure, choice) for figure in paper.figures],
+        )
+
+    @property
+    def runs(self) -> list[Run]:
+        found = [run for table in self.tables for runs in table.cells.values() for run in runs]
+        found += [run for claim in self.claims for runs in claim.runs.values() for run in runs]
+        return found + [run for figure in self.figures for run in figure_runs(figure)]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Everything that was read. ``found`` are the methods of the chosen setting; where they are too many for a table, the
+    leading configuration of each model."""
+
+    store: Store
+    experiment: Experiment
+    choice: Choice
+    papers: list[PaperRuns]
+    found: list[Method]
+    configurations: int
+    clips: dict[str, pd.DataFrame]
+    frames: dict[str, pd.DataFrame]
+    crops: dict[str, Path]
+
+    @property
+    def leading(self) -> list[Method]:
+        return [method for method in self.found if method.leading]
+
+    @cached_property
+    def summary(self) -> Sheet:
+        return overview.summary(self.found, self.clips)
+
+    @cached_property
+    def judged(self) -> dict[str, list[claims.Judged]]:
+        """Each paper's claims, by the paper's name."""
+        return {
+            one.paper.paper: [claims.judge(claim, self.clips) for claim in one.claims] for one in self.papers
+        }
+
+
+def gather(papers: Sequence[Paper], store: Store, experiment: Experiment, choice: Choice) -> Material:
+    """Choose the runs of every paper and download their scores."""
+    chosen = [PaperRuns.of(paper, choice) for paper in papers]
+    every = overview.methods(choice.pools[choice.setting], papers)
+    found = every if len(every) <= MAX_METHODS else [method for method in every if method.leading]
+    leading = [run for method in found if method.leading for run in method.runs]
+    over_frames = [
+        run for one in chosen for figure in one.figures if figure.over_frames for run in figure_runs(figure)
+    ]
+    used = unique(
+        [run for method in found for run in method.runs] + [run for one in chosen for run in one.runs]
+    )
+    return Material(
+        store,
+        experiment,
+        choice,
+        chosen,
+        found,
+        len(every),
+        clips={run: indexed(table) for run, table in store.tables(used, "clips").items()},
+        frames=store.tables(unique(leading + over_frames), "frames"),
+        crops=store.folders(leading, "crops"),
+    )
+
+
+def figure_runs(figure: plots.FigureRuns) -> list[Run]:
+    return [run for points in figure.points.values() for runs in points.values() for run in runs]
+
+
+def unique(runs: Iterable[Run]) -> list[Run]:
+    """Each run once, by id."""
+    found = {run.id: run for run in runs}
+    return [found[key] for key in sorted(found)]

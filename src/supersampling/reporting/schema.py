@@ -1,0 +1,187 @@
+"""What ``reports/published/<paper>.yaml`` holds: a paper's numbers, words, pictures, figures and claims.
+
+A *selection* is a mapping of run parameters to the values that they must have. Field names are the file's keys.
+``page`` is 0 where the paper's text has no page marks.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Selection = Mapping[str, str]
+RUN_METRIC = "run:"
+BY_NUMBER = ""
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A printed quantity; ``ours`` names the column of our clip tables (or the run's metric) that holds it, times ``factor``.
+
+    ``ours`` is ``None`` for a quantity that is never measured here.
+    """
+
+    label: str
+    unit: str
+    better: Literal["higher", "lower"]
+    decimals: int
+    ours: str | None
+    factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column; ``select`` is ``None`` for a method that we lack."""
+
+    label: str
+    select: Selection | None
+    metrics: list[str]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row; ``values[c][m]`` is the published number of column ``c``'s ``m``-th metric, ``None`` where it is lost or empty.
+
+    ``select`` is ``None`` for a method that we lack.
+    """
+
+    labels: list[str]
+    select: Selection | None
+    values: list[list[float | None]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PublishedTable:
+    """One table of a paper, and how to find our runs for its cells.
+
+    ``source`` says whether ours are means of clip scores or metrics that the runs logged themselves; ``file`` is the sweep
+    that runs the rows (`BY_NUMBER`: ``<paper>_table<number>``); ``lost`` says which numbers the text lacks.
+    """
+
+    number: str
+    section: str
+    page: int = 0
+    title: str
+    compare: Literal["row", "column"]
+    headers: list[str]
+    base: Selection
+    columns: list[Column]
+    rows: list[Row]
+    note: str = ""
+    lost: str = ""
+    source: Literal["clips", "run"] = "clips"
+    file: str | None = BY_NUMBER
+    prefer: Selection | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class FactTable:
+    """A table of words or of facts about data, which nothing here competes with."""
+
+    number: str
+    section: str
+    page: int = 0
+    title: str
+    headers: list[str]
+    rows: list[list[str]]
+    note: str = ""
+    lost: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A table or figure made of pictures, and which of ours show the same."""
+
+    number: str
+    section: str
+    page: int = 0
+    title: str
+    ours: Literal["crops", "error_maps", "epipolar", "accumulation", "none"]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Series:
+    """One line, box or bar of a figure, or one step of a claim."""
+
+    label: str
+    select: Selection
+
+
+@dataclass(frozen=True, kw_only=True)
+class PublishedFigure:
+    """A figure drawn from numbers. ``x`` is a run parameter, a run metric, or ``frame``; boxes and bars need none."""
+
+    number: str
+    section: str
+    page: int = 0
+    title: str
+    kind: Literal["box", "curve", "bars", "front"]
+    metric: str
+    series: list[Series]
+    base: Selection = field(default_factory=dict)
+    sweep: str | None = None
+    x: str | None = None
+    note: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """What a paper concludes, as a statement about the paired difference ``a - b``, or about every step of a series.
+
+    ``metric`` is a column of the clip tables, or a metric that runs logged with ``run:`` before it. ``published`` is the
+    paper's own difference (of steps: last less first).
+    """
+
+    id: str
+    text: str
+    source: str
+    page: int = 0
+    kind: Literal["more", "less", "same", "falls", "rises"]
+    metric: str
+    unit: str
+    base: Selection = field(default_factory=dict)
+    a: Selection | None = None
+    b: Selection | None = None
+    margin: float | None = None
+    steps: list[Series] = field(default_factory=list)
+    published: float | None = None
+    where: str = ""
+    needs: str = ""
+
+    @property
+    def stepwise(self) -> bool:
+        return self.kind in ("falls", "rises")
+
+    @property
+    def selections(self) -> dict[str, Selection]:
+        """What is compared, in order, by its label: the steps, or ``b`` before ``a``."""
+        if self.stepwise:
+            return {step.label: {**self.base, **step.select} for step in self.steps}
+        return {"b": {**self.base, **(self.b or {})}, "a": {**self.base, **(self.a or {})}}
+
+
+@dataclass(frozen=True)
+class Paper:
+    """A paper's contents, each list in its own order."""
+
+    paper: str
+    title: str
+    authors: str
+    source: str
+    short: str
+    metrics: dict[str, Metric]
+    tables: list[PublishedTable]
+    facts: list[FactTable] = field(default_factory=list)
+    pictures: list[Picture] = field(default_factory=list)
+    figures: list[PublishedFigure] = field(default_factory=list)
+    claims: list[Claim] = field(default_factory=list)
+
+    @property
+    def of(self) -> str:
+        """``of Xiao et al.``, or ``of the thesis`` where `short` is no name."""
+        return f"of the {self.short}" if self.short[:1].islower() else f"of {self.short}"
+
+
+def where_in(section: str, page: int) -> str:
+    """``Section 3.2, p. 5 ff.``, without the page where it is not known."""
+    return f"Section {section}" + (f", p. {page} ff." if page else "")

@@ -1,0 +1,133 @@
+"""The check of a paper's file beyond its numbers: lost cells, facts, pictures, figures, claims."""
+
+import copy
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from supersampling.errors import UserError
+from supersampling.reporting.published import load_paper, load_papers, name_of, stem_of, sweep_of
+from supersampling.reporting.schema import Paper
+
+SMALL: dict[str, Any] = {
+    "paper": "small", "title": "A paper", "authors": "A. One, B. Two", "source": "1999", "short": "One et al.",
+    "metrics": {
+        "psnr": {"label": "PSNR", "unit": "dB", "better": "higher", "decimals": 2, "ours": "psnr"},
+        "layer": {"label": "time", "unit": "ms", "better": "lower", "decimals": 1, "ours": None},
+    },
+    "tables": [
+        {
+            "number": "S1", "section": "1", "page": 1, "title": "Quality.", "compare": "row", "headers": ["scene"], "base": {},
+            "lost": "The second column is lost.",
+            "columns": [
+                {"label": "A", "select": {"model": "a"}, "metrics": ["psnr"]},
+                {"label": "B", "select": None, "metrics": ["psnr"]},
+            ],
+            "rows": [
+                {"labels": ["x"], "select": {"task.scale": 4}, "values": [[30.0], [None]]},
+                {"labels": ["y"], "select": None, "values": [[31.0], [None]]},
+            ],
+        }
+    ],
+    "facts": [{"number": "2", "section": "1", "page": 1, "title": "Scenes.", "headers": ["a", "b"], "rows": [["x", ""]]}],
+    "pictures": [{"number": "figure 3", "section": "1", "page": 1, "title": "Crops.", "ours": "crops"}],
+    "figures": [
+        {
+            "number": "4", "section": "1", "page": 1, "title": "Curve.", "kind": "curve", "sweep": None, "metric": "psnr",
+            "x": "frame", "base": {}, "series": [{"label": "A", "select": {"model": "a"}}],
+        }
+    ],
+    "claims": [
+        {
+            "id": "small-1", "text": "A is better.", "source": "Table S1", "page": 1, "kind": "more", "metric": "psnr",
+            "unit": "dB", "base": {}, "a": {"model": "a"}, "b": {"model": "b"}, "published": None,
+        },
+        {
+            "id": "small-2", "text": "More is better.", "source": "Table S1", "page": 1, "kind": "rises", "metric": "psnr",
+            "unit": "dB", "steps": [{"label": "1", "select": {"n": 1}}, {"label": "2", "select": {"n": 2}}],
+            "a": {"n": 2}, "b": {"n": 1},
+        },
+    ],
+}  # fmt: skip
+
+
+def load(folder: Path, raw: dict[str, Any]) -> Paper:
+    (folder / "small.yaml").write_text(yaml.safe_dump(raw, allow_unicode=True), encoding="utf-8")
+    return load_paper(folder / "small.yaml")
+
+
+def test_what_a_file_may_leave_away_or_empty(tmp_path: Path) -> None:
+    paper = load(tmp_path, SMALL)
+    assert paper.tables[0].rows[0].values == [[30.0], [None]]
+    assert paper.tables[0].rows[1].select is None
+    assert paper.metrics["layer"].ours is None
+    assert sweep_of(paper.tables[0], paper) == "small_tableS1"
+    assert list(paper.claims[1].selections) == ["1", "2"]
+    assert paper.claims[0].selections == {"b": {"model": "b"}, "a": {"model": "a"}}
+    for part in ("facts", "pictures", "figures", "claims"):
+        assert getattr(load(tmp_path, {k: v for k, v in SMALL.items() if k != part}), part) == []
+        assert getattr(load(tmp_path, {**SMALL, part: []}), part) == []
+
+
+def test_a_table_without_a_sweep(tmp_path: Path) -> None:
+    raw = copy.deepcopy(SMALL)
+    raw["tables"][0]["file"] = None
+    paper = load(tmp_path, raw)
+    assert sweep_of(paper.tables[0], paper) is None
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "told"),
+    [
+        (("tables", 0, "number"), 2, 'number: expected str, got 2: write it as "2"'),
+        (("tables", 0, "lost"), "", "has a null, so `lost` must say"),
+        (("tables", 0, "source"), "thesis", "one of"),
+        (("facts", 0, "rows"), [["x"]], "a cell for each"),
+        (("facts", 0, "rows"), [["x", 3]], "expected str, got 3"),
+        (("pictures", 0, "ours"), "film", "film"),
+        (("pictures", 0, "page"), -1, "the page of 'figure 3' must be 1 or more"),
+        (("figures", 0, "x"), None, "a curve needs x"),
+        (("figures", 0, "kind"), "pie", "pie"),
+        (("claims", 0, "id"), "other-1", "must begin with 'small-'"),
+        (("claims", 1, "id"), "small-1", "small-1 more than once"),
+        (("claims", 0, "kind"), "same", "'same' needs a margin"),
+        (("claims", 0, "margin"), 0.1, "others have none"),
+        (("claims", 0, "b"), {"model": "a"}, "the same selection"),
+        (("claims", 0, "kind"), "falls", "at least two steps"),
+        (("claims", 1, "kind"), "more", "no steps"),
+        (("claims", 1, "a"), {"n": 7}, "the last step"),
+        (("claims", 0, "published"), "0.26 dB", "expected float"),
+        (("claims", 0, "a"), {"model": ["a"]}, "run parameters"),
+    ],
+)
+def test_a_wrong_entry_is_told_with_its_place(
+    tmp_path: Path, place: tuple[Any, ...], value: Any, told: str
+) -> None:
+    raw = copy.deepcopy(SMALL)
+    at: Any = raw
+    for key in place[:-1]:
+        at = at[key]
+    at[place[-1]] = value
+    with pytest.raises(UserError, match=told) as error:
+        load(tmp_path, raw)
+    assert "small.yaml" in str(error.value)
+
+
+def test_all_papers_of_a_folder_or_one(tmp_path: Path) -> None:
+    load(tmp_path, SMALL)
+    (tmp_path / "another.yaml").write_text(
+        yaml.safe_dump({**SMALL, "paper": "another", "claims": []}), encoding="utf-8"
+    )
+    assert [paper.paper for paper in load_papers(tmp_path, None)] == ["another", "small"]
+    assert [paper.paper for paper in load_papers(tmp_path, "small")] == ["small"]
+    with pytest.raises(UserError, match="no published numbers"):
+        load_papers(tmp_path / "none", None)
+
+
+def test_names_in_print_and_of_files() -> None:
+    assert name_of("S2") == "Table S2"
+    assert name_of("11a", "Figure") == "Figure 11a"
+    assert name_of("colour space") == "Colour space"
+    assert stem_of("colour space") == "colour_space"
