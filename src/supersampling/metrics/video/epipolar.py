@@ -20,20 +20,25 @@ class EpipolarPlane:
         if not 0.0 <= place <= 1.0:
             raise UserError(f"The row's place must lie in [0, 1], got {place}; 0.5 is the middle.")
         self._place, self._longest = place, longest
-        self._rows: list[tuple[np.ndarray, np.ndarray]] = []
+        # Made once: rows kept one by one, between frames that come and go, would hold the freed memory of the frames.
+        self._planes = np.empty((2, 0, 0, 3), np.uint8)
+        self._frames = 0
 
     def add(self, output: Tensor, target: Tensor) -> None:
         """Take the next frame's images, ``(1, 3, H, W)`` in [0, 1] each."""
-        if len(self._rows) == self._longest:
+        if self._frames == self._longest:
             return
-        height = target.shape[-2]
+        height, width = target.shape[-2:]
+        if self._frames == 0:
+            self._planes = np.zeros((2, self._longest, width, 3), np.uint8)
         row = min(int(self._place * height), height - 1)
-        ours, theirs = (to_bytes(image[..., row : row + 1, :])[0] for image in (output, target))
-        self._rows.append((ours, theirs))
+        for plane, image in zip(self._planes, (output, target)):
+            plane[self._frames] = to_bytes(image[..., row : row + 1, :])[0]
+        self._frames += 1
 
     def images(self) -> tuple[np.ndarray, np.ndarray]:
         """Output's and target's, ``(frames, W, 3)`` uint8. Raises `UserError` before the first frame."""
-        if not self._rows:
+        if self._frames == 0:
             raise UserError("There is no epipolar-plane image of a clip without frames; add one first.")
-        output, target = zip(*self._rows)
-        return np.stack(output), np.stack(target)
+        output, target = self._planes[:, : self._frames]
+        return output, target
