@@ -5,9 +5,14 @@ import logging
 import os
 import signal
 import sys
+import traceback
 import warnings
 from collections.abc import Callable
+from typing import Any
 
+from hydra.core.hydra_config import HydraConfig
+from hydra.experimental.callback import Callback
+from hydra.types import RunMode
 from omegaconf import DictConfig
 
 from supersampling.errors import UserError, chain, was_interrupted
@@ -27,8 +32,24 @@ def find_user_error(error: BaseException) -> UserError | None:
     return None
 
 
+FAILED: list[int] = []
+"""The statuses of a multirun's jobs that failed."""
+
+
+class ExitStatus(Callback):
+    """A multirun's exit status is that of the first job that failed."""
+
+    def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
+        if FAILED:
+            sys.stderr.write(f"{len(FAILED)} of the jobs failed; the same command repeats these alone.\n")
+            sys.exit(FAILED[0])
+
+
 def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
-    """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2; Ctrl-C and SIGTERM end it with 130."""
+    """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2; Ctrl-C and SIGTERM end it with 130.
+
+    A multirun's other jobs go on after one that failed: see `ExitStatus`.
+    """
     _quiet()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
@@ -38,10 +59,17 @@ def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
             sys.stderr.write("\nInterrupted: the same command goes on from here.\n")
             sys.exit(130)
         user_error = find_user_error(error)
-        if user_error is None:
+        several = HydraConfig.initialized() and HydraConfig.get().mode == RunMode.MULTIRUN
+        if user_error is not None:
+            sys.stderr.write(f"error: {user_error}\n")
+        elif several:
+            traceback.print_exc()
+        else:
             raise
-        sys.stderr.write(f"error: {user_error}\n")
-        sys.exit(USER_ERROR_STATUS)
+        status = 1 if user_error is None else USER_ERROR_STATUS
+        if not several:
+            sys.exit(status)
+        FAILED.append(status)
 
 
 def _quiet() -> None:

@@ -71,7 +71,7 @@ def test_every_linked_file_exists():
 SMALL = {
     "train": ["data=smoke", "budget=smoke", "scene=atrium"],
     "render": ["data=smoke", "scene=atrium"],
-    "show": ["data=smoke", "scene=atrium", "video=null"],
+    "show": ["data=smoke", "scene=atrium", "video=null", "data.train.clips=4"],
     "evaluate": ["data=smoke", "scene=atrium"],
     "count": ["scene=atrium"],
     "export": ["scene=atrium", "check=2"],

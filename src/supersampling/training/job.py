@@ -157,12 +157,12 @@ class Job:
             else:
                 model = self._classical(run_id)
             self._score(model, metrics, run_id, finished)
+            self.experiment.finish(run_id)
         except BaseException as error:
             # Scores that could not be added leave a finished run as it was.
             status = "FINISHED" if finished else "KILLED" if was_interrupted(error) else "FAILED"
             self.experiment.finish(run_id, status)
             raise
-        self.experiment.finish(run_id)
 
     def _finished(self, run: Run, learned: bool) -> Upsampler:
         """The method of a finished run, with its weights or its tuned constants."""

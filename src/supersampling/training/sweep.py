@@ -11,7 +11,7 @@ from omegaconf import DictConfig
 class ParentRun(Callback):
     """Begins an MLflow parent run for a multirun and hands its id to the jobs through the environment.
 
-    Hydra calls nothing when a job stops the sweep; the run is then ended as KILLED when the process exits.
+    Hydra calls nothing when an interrupt stops the sweep; the run is then ended as KILLED when the process exits.
     """
 
     def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
@@ -29,7 +29,9 @@ class ParentRun(Callback):
         atexit.register(self._end, config, "KILLED")
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
-        self._end(config, "FINISHED")
+        from supersampling.entry import FAILED
+
+        self._end(config, "FAILED" if FAILED else "FINISHED")
 
     def _end(self, config: DictConfig, status: str) -> None:
         from supersampling.training.job import experiment_of
