@@ -7,6 +7,7 @@ import hydra
 from omegaconf import DictConfig
 
 from supersampling.resolvers import register
+from supersampling.training.campaign import run_each
 
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(Path(__file__).resolve().parent))
 register()
@@ -21,4 +22,4 @@ def main(cfg: DictConfig) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_each(main, Path(os.environ["SUPERSAMPLING_ROOT"]) / "sweeps")
