@@ -15,9 +15,9 @@ STACKED = 6
 LOST = "–"
 LEADS = 4
 PICTURES = {
-    "crops": "see the crops below",
+    "crops": "see the crops",
     "error_maps": "see the error maps below the crops",
-    "epipolar": "not drawn: runs log no epipolar images",
+    "epipolar": "among each run's artifacts: epipolar/",
     "accumulation": "not drawn: runs log no accumulated frames",
     "none": "not drawn",
 }
