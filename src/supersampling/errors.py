@@ -1,5 +1,7 @@
 """The one exception that means: the user can mend this."""
 
+import gc
+import traceback
 from collections.abc import Iterator
 
 
@@ -22,3 +24,13 @@ def chain(error: BaseException | None) -> Iterator[BaseException]:
 def was_interrupted(error: BaseException) -> bool:
     """Whether Ctrl-C or SIGTERM began what ended as ``error``: libraries turn it into errors of their own."""
     return any(isinstance(one, (KeyboardInterrupt, SystemExit)) for one in chain(error))
+
+
+def let_go(error: BaseException) -> None:
+    """Clear what the frames along an exception's chain of causes hold, so that half-done transactions and files are closed.
+
+    Frames that still run keep theirs; the stack trace stays.
+    """
+    for one in chain(error):
+        traceback.clear_frames(one.__traceback__)
+    gc.collect()

@@ -7,8 +7,11 @@ import torch
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from mlflow.tracking import MlflowClient
+from mlflow.tracking._tracking_service.utils import _get_store
+from sqlalchemy import text
 
 from supersampling.errors import UserError
+from supersampling.training import job
 from supersampling.training.fit import fit, load_weights
 from supersampling.training.identity import flat_parameters, identity
 from supersampling.training.module import Training
@@ -159,3 +162,23 @@ def test_a_finished_run_is_preferred_to_a_newer_unfinished_one(store):
     assert store.find("abc").info.run_id == first
     assert store.find("never") is None
     assert client.get_run(first).data.tags["ss.machine"]
+
+
+def test_an_interrupt_in_the_middle_of_a_transaction_is_noted(entry, files, tmp_path, monkeypatch):
+    """The store's lock is held by what was cut short, and given back before the run is ended."""
+    uri = f"sqlite:///{tmp_path}/mlflow.db"
+
+    def interrupted(*arguments, **more):
+        session = _get_store(uri).ManagedSessionMaker().__enter__()
+        session.execute(text("UPDATE runs SET name = 'half'"))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(job, "evaluate", interrupted)
+    data = [f"data.{split}=[{paths[0]}]" for split, paths in files.items()]
+    small = ["data=files", "scene=atrium", "model=bicubic", "baselines=[]", "metrics=fast", "threads=1"]
+    with pytest.raises(KeyboardInterrupt):
+        job.train(entry("train", *small, *data, f"paths.root={tmp_path}", f"logger.tracking_uri={uri}"))
+    client = MlflowClient(uri)
+    known = client.get_experiment_by_name("supersampling").experiment_id
+    (run,) = client.search_runs([known], "tags.`ss.kind` = 'job'")
+    assert (run.info.status, run.info.run_name) == ("KILLED", "bicubic x4")

@@ -16,7 +16,7 @@ from mlflow.entities import Run
 from omegaconf import DictConfig, OmegaConf, open_dict
 
 from supersampling.data.module import Source, fingerprint
-from supersampling.errors import was_interrupted
+from supersampling.errors import let_go, was_interrupted
 from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
 from supersampling.metrics.chosen import Metrics
@@ -159,6 +159,7 @@ class Job:
             self._score(model, metrics, run_id, finished)
             self.experiment.finish(run_id)
         except BaseException as error:
+            let_go(error)  # what it cut short may hold the store's lock
             # Scores that could not be added leave a finished run as it was.
             status = "FINISHED" if finished else "KILLED" if was_interrupted(error) else "FAILED"
             self.experiment.finish(run_id, status)
