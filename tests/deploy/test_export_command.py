@@ -1,7 +1,6 @@
 """What ``export.py`` writes, says and refuses."""
 
 import json
-from pathlib import Path
 
 import pytest
 
@@ -11,8 +10,6 @@ from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OnnxRuntime
 from supersampling.errors import UserError
 from supersampling.models.jau import JAU
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture

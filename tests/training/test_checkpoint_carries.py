@@ -1,14 +1,9 @@
 """A checkpoint needs nothing beside itself, says what contradicts it, and cannot have code called."""
 
-from pathlib import Path
-
 import pytest
 import torch
-from hydra import compose, initialize_config_dir
-from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
-from omegaconf import open_dict
 
 from supersampling.errors import UserError
 from supersampling.profiling.count import random_frame
@@ -18,24 +13,11 @@ from supersampling.training.job import method_name
 from supersampling.training.method import method_of
 from supersampling.training.tracking import open_experiment
 
-ROOT = Path(__file__).resolve().parents[2]
-
 
 @pytest.fixture
-def configure():
+def configure(entry):
     """Composes as a command line would: ``configure("evaluate", "checkpoint=...")``."""
-
-    def make(name, *overrides):
-        GlobalHydra.instance().clear()
-        with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-            cfg = compose(name, ["scene=atrium", *overrides], return_hydra_config=True)
-        HydraConfig.instance().set_config(cfg)
-        with open_dict(cfg):
-            del cfg["hydra"]
-        return cfg
-
-    yield make
-    HydraConfig.instance().cfg = None
+    return lambda name, *overrides: entry(name, "scene=atrium", *overrides)
 
 
 @pytest.fixture
