@@ -40,7 +40,7 @@ class Result:
             for m in self.metrics:
                 value = float(rows[m].mean())
                 if not math.isnan(value):
-                    means[f"test/{str(scene).replace('/', '_')}/{m}"] = value
+                    means[f"test/{file_name(str(scene))}/{m}"] = value
         return means
 
     def write(self, folder: Path) -> None:

@@ -85,8 +85,12 @@ class Untrained(Metric):
         return {self.names[0]: float("nan")}
 
 
+@cache
 def where_trained(network: str) -> Metric:
-    """`LPIPS` if its weights are there or can be fetched, else `Untrained`, with the reason printed."""
+    """`LPIPS` if its weights are there or can be fetched, else `Untrained`, with the reason printed.
+
+    Asked once a process: every job and baseline composes the same metrics, and a hub that does not answer takes its time.
+    """
     try:
         return LPIPS(network)
     except UserError as error:
