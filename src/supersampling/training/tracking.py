@@ -1,6 +1,8 @@
 """MLflow: one experiment, a parent run for each multirun, a child run for each job, found again by identity."""
 
+import os
 import platform
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -83,6 +85,7 @@ def open_experiment(tracking_uri: str, name: str, artifacts: Path) -> Experiment
         UserError: the tracking server does not answer.
     """
     _check_reachable(tracking_uri)
+    _make_whole(tracking_uri)
     mlflow.set_tracking_uri(tracking_uri)
     client = MlflowClient(tracking_uri)
     try:
@@ -95,6 +98,27 @@ def open_experiment(tracking_uri: str, name: str, artifacts: Path) -> Experiment
         raise UserError(
             f"MLflow at logger.tracking_uri={tracking_uri} failed: {str(error).splitlines()[0]}"
         ) from error
+
+
+def _make_whole(tracking_uri: str) -> None:
+    """Make a local database that is not there yet beside its place, then move it there.
+
+    MLflow makes tables one by one; killed half-way it leaves a database that it can neither use nor mend.
+    """
+    prefix = "sqlite:///"
+    path = Path(tracking_uri.removeprefix(prefix))
+    if not tracking_uri.startswith(prefix) or not path.name or path.exists():
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-store-") as folder:
+        made = Path(folder) / path.name
+        MlflowClient(f"{prefix}{made}").search_experiments()
+        try:
+            os.link(made, path)
+        except FileExistsError:  # another process was first
+            pass
+        except OSError:  # a file system without links
+            os.replace(made, path)
 
 
 def _check_reachable(tracking_uri: str) -> None:
