@@ -1,11 +1,13 @@
 """Verdicts on hand-made runs: what each interval says, steps, margins, what is missing, and on which scenes it holds."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from made_runs import made_run
 
 from supersampling.reporting.claim_sheets import counts, long_form, rows
 from supersampling.reporting.claims import Judged, choose_claim, judge, side
@@ -19,18 +21,7 @@ SCENES = ("arena", "bar", "foundry", "louvres", "market", "sundial")
 SCENE = dict(zip(SCENES, (4.0, -3.0, 1.0, 0.0, -4.0, 2.0)))
 
 
-def run(name: str, metrics: dict[str, float] | None = None, dataset: str = "aaaa", **params: Any) -> Run:
-    """Parameter names are written with ``__`` for a dot."""
-    base = {
-        "model": "nsrr",
-        "task.scale": "4",
-        "task.mip_bias": "matched",
-        "data": "laptop",
-        "data.scenes": "a",
-        "budget": "laptop",
-    }
-    given = {key.replace("__", "."): str(value) for key, value in params.items()}
-    return Run(name, name, name, dataset, "m", "machine", "1", 0, {**base, **given}, metrics or {})
+run = partial(made_run, model="nsrr", budget="laptop")
 
 
 def clips(gains: dict[str, float] | float, base: float = 30.0, metric: str = "psnr") -> pd.DataFrame:
@@ -171,8 +162,8 @@ def test_seeds_are_averaged() -> None:
 
 def test_logged_numbers_compare_without_interval() -> None:
     runs = [
-        run("late", {"model/parameters": 500.0}, model__warp_at="target"),
-        run("early", {"model/parameters": 800.0}, model__warp_at="low"),
+        run("late", metrics={"model/parameters": 500.0}, model__warp_at="target"),
+        run("early", metrics={"model/parameters": 800.0}, model__warp_at="low"),
     ]
     found = judged(claim("less", metric="run:model/parameters"), runs, {})
     assert found.verdict == "reproduced"

@@ -1,33 +1,22 @@
 """Which runs a figure takes, what is drawn of them, and that the bytes stay the same."""
 
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import matplotlib
 import pandas as pd
 import pytest
+from made_runs import made_run
 from matplotlib.figure import Figure
 
 from supersampling.reporting import plots
-from supersampling.reporting.runs import Run
 from supersampling.reporting.schema import PublishedFigure, Series
 from supersampling.reporting.settings import choose
 
 matplotlib.use("pdf")
 
 
-def run(name: str, **params: Any) -> Run:
-    given = {key.replace("__", "."): str(value) for key, value in params.items()}
-    base = {
-        "model": "nsrr",
-        "task.scale": "4",
-        "task.mip_bias": "matched",
-        "data": "laptop",
-        "budget": "laptop",
-    }
-    return Run(
-        name, name, name, "aaaa", "m", "machine", "1", 0, {**base, **given}, {"model/parameters": 1000.0}
-    )
+run = partial(made_run, model="nsrr", budget="laptop", metrics={"model/parameters": 1000.0})
 
 
 RUNS = [run(f"p{n}", model__previous=n) for n in (10, 2, 0)] + [run("d", model="dlctus")]

@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+from made_runs import made_run
 
 from supersampling.errors import UserError
 from supersampling.reporting.runs import Run
@@ -11,17 +12,9 @@ from supersampling.reporting.settings import choose
 
 
 def run(name: str, ended: int = 0, dataset: str = "aaaa", **params: Any) -> Run:
-    """Parameter names are written with ``__`` for a dot."""
-    given = {key.replace("__", "."): str(value) for key, value in params.items()}
-    base = {
-        "model": "dlctus",
-        "task.scale": "4",
-        "task.mip_bias": "matched",
-        "data": "laptop",
-        "data.scenes": "atrium",
-    }
-    budget = {} if given.get("model") == "jau" else {"budget": "laptop"}
-    return Run(name, name, name, dataset, "m", "machine", "1", ended, {**base, **budget, **given}, {})
+    """With a budget where there is something to learn."""
+    budget = {} if params.get("model") == "jau" else {"budget": "laptop"}
+    return made_run(name, ended, dataset, **{**budget, **params})
 
 
 def names(runs: list[Run]) -> list[str]:

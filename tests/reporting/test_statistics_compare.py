@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from made_runs import made_run
 
 from supersampling.errors import UserError
 from supersampling.reporting.comparison import compare, decimals, plus_minus, text, verdict
@@ -15,18 +16,9 @@ from supersampling.reporting.seeds import Group, find_groups, pair, seed_groups
 from supersampling.reporting.statistics import Estimate
 
 
-def run(name: str, ended: int = 0, dataset: str = "aaaa", method: str = "", **params: Any) -> Run:
-    """Parameter names are written with ``__`` for a dot."""
-    given = {key.replace("__", "."): str(value) for key, value in params.items()}
-    base = {
-        "model": "dlctus",
-        "task.scale": "4",
-        "task.mip_bias": "matched",
-        "data": "laptop",
-        "data.scenes": "atrium",
-    }
-    method = method or given.get("model", "dlctus")
-    return Run(name, name, name, dataset, method, "machine", "1", ended, {**base, **given}, {})
+def run(name: str, *given: Any, method: str = "", **params: Any) -> Run:
+    """Called as its model."""
+    return made_run(name, *given, method=method or params.get("model", "dlctus"), **params)
 
 
 def names(groups: list[Group]) -> list[list[str]]:

@@ -12,6 +12,7 @@ from supersampling.reporting import (
     claim_sheets,
     crops,
     datasets,
+    epipolar,
     figures,
     overview,
     plots,
@@ -62,7 +63,7 @@ def paper_content(one: PaperRuns, material: Material, made: Path) -> Data:
         "tables": [dataclasses.asdict(item) for item in theirs],
         "words": [dataclasses.asdict(item) for item in (*facts, *pictures)],
         "figures": drawn,
-        "crops": dataclasses.asdict(crops.crop_table(methods, material.crops, made)),
+        **_pictures(methods, material, made),
         **_appendix(cells, material),
     }
 
@@ -94,7 +95,7 @@ def overview_content(material: Material, made: Path) -> Data:
         "tables": [],
         "words": [dataclasses.asdict(data)],
         "figures": _own_figures(material, stem),
-        "crops": dataclasses.asdict(crops.crop_table(crop_methods(material, set()), material.crops, made)),
+        **_pictures(crop_methods(material, set()), material, made),
         **_appendix(cells, material),
     }
 
@@ -108,6 +109,13 @@ def crop_methods(material: Material, models: set[str]) -> list[Method]:
 
     kept = {method.label for method in sorted(material.leading, key=rank)[:CROP_METHODS]}
     return [method for method in material.leading if method.label in kept]
+
+
+def _pictures(methods: Sequence[Method], material: Material, made: Path) -> Data:
+    return {
+        "crops": dataclasses.asdict(crops.crop_table(methods, material.crops, made)),
+        "epipolar": dataclasses.asdict(epipolar.epipolar_table(methods, material.epipolar, made)),
+    }
 
 
 def _figure(chosen: plots.FigureRuns, paper: Paper, material: Material, stem: Path) -> Data:

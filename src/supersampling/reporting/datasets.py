@@ -22,6 +22,7 @@ def header(material: Material, used: Sequence[Run]) -> list[list[str]]:
     def joined(name: str) -> str:
         return "; ".join(sorted({str(getattr(run, name)) for run in used}))
 
+    broken = len({run.id for run in used} & material.store.problems.keys())
     budgets = sorted({run.params["budget"] for run in used if "budget" in run.params})
     return [
         ["data set", f"{setting.data}, fingerprint {setting.dataset}"],
@@ -38,6 +39,11 @@ def header(material: Material, used: Sequence[Run]) -> list[list[str]]:
             f"{count} in this report; {len(experiment.runs) - count} finished ones of other settings and "
             f"{experiment.unfinished} unfinished or failed ones not in it",
         ],
+        *(
+            [["incomplete", f"{broken} of the runs lack values; the appendix says which and why"]]
+            if broken
+            else []
+        ),
     ]
 
 

@@ -12,6 +12,7 @@ import pandas as pd
 
 from supersampling.reporting import claims, overview, plots, tables
 from supersampling.reporting.estimates import indexed
+from supersampling.reporting.gaps import gaps
 from supersampling.reporting.overview import Method
 from supersampling.reporting.runs import Experiment, Run, Store
 from supersampling.reporting.schema import Paper
@@ -60,6 +61,7 @@ class Material:
     clips: dict[str, pd.DataFrame]
     frames: dict[str, pd.DataFrame]
     crops: dict[str, Path]
+    epipolar: dict[str, Path]
 
     @property
     def leading(self) -> list[Method]:
@@ -89,6 +91,9 @@ def gather(papers: Sequence[Paper], store: Store, experiment: Experiment, choice
     used = unique(
         [run for method in found for run in method.runs] + [run for one in chosen for run in one.runs]
     )
+    clips = {run: indexed(table) for run, table in store.tables(used, "clips").items()}
+    for run_id, why in gaps(used, clips).items():
+        store.note(run_id, why)
     return Material(
         store,
         experiment,
@@ -96,9 +101,10 @@ def gather(papers: Sequence[Paper], store: Store, experiment: Experiment, choice
         chosen,
         found,
         len(every),
-        clips={run: indexed(table) for run, table in store.tables(used, "clips").items()},
+        clips=clips,
         frames=store.tables(unique(leading + over_frames), "frames"),
         crops=store.folders(leading, "crops"),
+        epipolar=store.folders(leading, "epipolar"),
     )
 
 

@@ -62,7 +62,7 @@ class Experiment:
 class Store:
     """An MLflow tracking store. ``folder`` receives the downloaded artifacts.
 
-    ``problems`` says, by a run's id, which artifacts could not be read and why; those runs count as without them.
+    ``problems`` says, by a run's id, what of it could not be read and why; such a run counts as without it.
     """
 
     def __init__(self, tracking_uri: str, folder: Path) -> None:
@@ -129,18 +129,34 @@ class Store:
 
         Runs of earlier versions have JSON tables alone; one that was logged twice (a job taken up again) keeps the last
         row of each scene, clip and frame.
+
+        Raises:
+            UserError: the store gave no run's clips.
         """
         files = self._download(runs, scores.FILE)
         older = self._download([run for run in runs if run.id not in files], f"{level}.json")
         found: dict[str, pd.DataFrame] = {}
-        for run, path in {**files, **older}.items():
+        for run_id, path in {**files, **older}.items():
             try:
-                found[run] = getattr(scores.read_scores(path), level) if run in files else _read_table(path)
+                whole = run_id in files
+                found[run_id] = getattr(scores.read_scores(path), level) if whole else _read_table(path)
             except (UserError, ValueError, KeyError) as error:
-                self.problems[run] = f"{path.name} cannot be read ({_first_line(error)})"
+                self.note(run_id, f"{path.name} cannot be read ({_first_line(error)})")
             if path.is_relative_to(self.folder):  # a copy
                 path.unlink()
+        if level == "clips" and runs and all(run.id in self.problems for run in runs) and not found:
+            why = min(self.problems[run.id] for run in runs)
+            raise UserError(f"'{self.uri}' gave none of the runs' scores ({why}): try again")
+        for run in runs:
+            if run.id not in found and run.id not in self.problems:
+                self.note(run.id, f"it has no table of its {level}")
         return found
+
+    def note(self, run_id: str, why: str) -> None:
+        """Add to a run's `problems`."""
+        said = self.problems.get(run_id, "")
+        if why not in said:
+            self.problems[run_id] = f"{said}; {why}" if said else why
 
     def folders(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
         """An artifact folder of each run on the local disk; a run without it is left out."""
@@ -164,17 +180,18 @@ class Store:
         failed: dict[str, str] = {}
         with ThreadPoolExecutor(DOWNLOADS_AT_ONCE) as pool:
             paths = list(pool.map(attempt, runs))
-        if runs and len(failed) == len(runs):
-            raise UserError(
-                f"'{self.uri}' gave none of the runs' artifacts ({min(failed.values())}): try again"
-            )
-        self.problems |= failed
+        for run_id, why in failed.items():
+            self.note(run_id, why)
         return {run.id: path for run, path in zip(runs, paths) if path is not None}
 
     def history(self, run: Run, metric: str) -> list[tuple[int, float]]:
-        """``(step, value)`` of a metric logged per epoch, by step."""
-        points = {point.step: point.value for point in self._client.get_metric_history(run.id, metric)}
-        return sorted(points.items())
+        """``(step, value)`` of a metric logged per epoch, by step; empty where the store does not give it."""
+        try:
+            points = self._client.get_metric_history(run.id, metric)
+        except (MlflowException, OSError) as error:
+            self.note(run.id, f"{metric} by step could not be read ({_first_line(error)})")
+            return []
+        return sorted({point.step: point.value for point in points}.items())
 
 
 def _run(job: MlflowRun) -> Run:
