@@ -11,6 +11,7 @@ from torch import Tensor
 
 from supersampling.evaluation.score import ScoredFrame
 from supersampling.metrics.video.epipolar import EpipolarPlane
+from supersampling.ops.resample import repeat_upsample
 
 SIZE = 96
 
@@ -34,7 +35,7 @@ def save_crops(frame: ScoredFrame, folder: Path, index: int) -> None:
     size = min(SIZE, *frame.target.shape[-2:])
     y, x = detailed_corner(frame.target, size)
     scale = frame.target.shape[-1] // frame.color.shape[-1]
-    raw = frame.color.repeat_interleave(scale, dim=2).repeat_interleave(scale, dim=3)
+    raw = repeat_upsample(frame.color, scale)
     stem = f"{index}_{file_name(frame.name.scene)}"
     for suffix, picture in (("", frame.output), ("_input", raw), ("_target", frame.target)):
         _image(picture[..., y : y + size, x : x + size]).save(folder / f"{stem}{suffix}.png")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from supersampling.data.store import spec_of
 from supersampling.errors import UserError
+from supersampling.evaluation.crops import file_name
 
 IMAGES = (".png", ".exr", ".jpg", ".jpeg", ".hdr", ".tif", ".tiff", ".bmp", ".webp", ".tga")
 
@@ -32,7 +33,7 @@ def clip_files(folder: Path, files: Sequence[Path], suffix: str) -> list[list[Pa
 
 
 def _folder(folder: Path, scene: str, clip: int, one_scene: bool, one_clip: bool) -> Path:
-    scenes = [folder / scene, folder / scene.replace("/", "_"), *([folder] if one_scene else [])]
+    scenes = [folder / scene, folder / file_name(scene), *([folder] if one_scene else [])]
     places = [place / str(clip) for place in scenes] + (scenes if one_clip else [])
     for place in places:
         if place.is_dir() and any(file.suffix.lower() in IMAGES for file in place.iterdir()):

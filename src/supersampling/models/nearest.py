@@ -6,7 +6,7 @@ from torch import Tensor
 
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
-from supersampling.ops.resample import check_scale
+from supersampling.ops.resample import check_scale, repeat_upsample
 
 
 @final
@@ -21,5 +21,4 @@ class Nearest(Upsampler[None]):
 
     def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
         assert frame.color is not None
-        rows = frame.color.repeat_interleave(self.scale, dim=-2)
-        return rows.repeat_interleave(self.scale, dim=-1), None
+        return repeat_upsample(frame.color, self.scale), None

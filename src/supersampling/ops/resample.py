@@ -29,6 +29,11 @@ def pixel_centres(size: int, like: Tensor) -> Tensor:
     return centres.to(like.dtype)
 
 
+def repeat_upsample(image: Tensor, scale: int) -> Tensor:
+    """``(..., h, w)`` to ``(..., H, W)``: every pixel over the target pixels that it covers."""
+    return image.repeat_interleave(scale, dim=-2).repeat_interleave(scale, dim=-1)
+
+
 def jitter_aligned_upsample(image: Tensor, jitter: Tensor, scale: int, mode: str = "bilinear") -> Tensor:
     """Upsample so that every sample stays where it was taken (Swensen 2021, 4.1.1 and A.1).
 

@@ -24,7 +24,7 @@ from supersampling.reporting.material import Material, PaperRuns, figure_runs
 from supersampling.reporting.overview import Method
 from supersampling.reporting.published import name_of, stem_of
 from supersampling.reporting.runs import Run
-from supersampling.reporting.schema import Paper, where_in
+from supersampling.reporting.schema import Paper
 from supersampling.reporting.sheet import Sheet
 from supersampling.reporting.tables import Filled, fill
 
@@ -124,8 +124,7 @@ def _figure(chosen: plots.FigureRuns, paper: Paper, material: Material, stem: Pa
     label = table_sheets.metric_label(metric) if metric else figure.metric
     path = Path(f"{stem}_figure{stem_of(figure.number)}.pdf")
     drawn = plots.draw(chosen, material.clips, material.frames, label, path)
-    title = f"{figure.title.rstrip('.')} ({where_in(figure.section, figure.page)})."
-    notes = [f"After {name_of(figure.number, 'Figure')} {paper.of}: {title}", figure.note]
+    notes = [f"After {name_of(figure.number, 'Figure')} {paper.of}: {figure.caption}.", figure.note]
     if chosen.setting is not None:
         notes.append(f"Ours: {chosen.setting}.")
     if chosen.missing:

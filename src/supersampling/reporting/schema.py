@@ -50,23 +50,35 @@ class Row:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PublishedTable:
+class Placed:
+    """What stands in a paper under a number and a title."""
+
+    number: str
+    section: str
+    page: int = 0
+    title: str
+    note: str = ""
+
+    @property
+    def caption(self) -> str:
+        """``Title (Section 3.2, p. 5 ff.)``, without the page where it is not known."""
+        page = f", p. {self.page} ff." if self.page else ""
+        return f"{self.title.rstrip('.')} (Section {self.section}{page})"
+
+
+@dataclass(frozen=True, kw_only=True)
+class PublishedTable(Placed):
     """One table of a paper, and how to find our runs for its cells.
 
     ``source`` says whether ours are means of clip scores or metrics that the runs logged themselves; ``file`` is the sweep
     that runs the rows (`BY_NUMBER`: ``<paper>_table<number>``); ``lost`` says which numbers the text lacks.
     """
 
-    number: str
-    section: str
-    page: int = 0
-    title: str
     compare: Literal["row", "column"]
     headers: list[str]
     base: Selection
     columns: list[Column]
     rows: list[Row]
-    note: str = ""
     lost: str = ""
     source: Literal["clips", "run"] = "clips"
     file: str | None = BY_NUMBER
@@ -74,29 +86,19 @@ class PublishedTable:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FactTable:
+class FactTable(Placed):
     """A table of words or of facts about data, which nothing here competes with."""
 
-    number: str
-    section: str
-    page: int = 0
-    title: str
     headers: list[str]
     rows: list[list[str]]
-    note: str = ""
     lost: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Picture:
+class Picture(Placed):
     """A table or figure made of pictures, and which of ours show the same."""
 
-    number: str
-    section: str
-    page: int = 0
-    title: str
     ours: Literal["crops", "error_maps", "epipolar", "accumulation", "none"]
-    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -108,20 +110,15 @@ class Series:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PublishedFigure:
+class PublishedFigure(Placed):
     """A figure drawn from numbers. ``x`` is a run parameter, a run metric, or ``frame``; boxes and bars need none."""
 
-    number: str
-    section: str
-    page: int = 0
-    title: str
     kind: Literal["box", "curve", "bars", "front"]
     metric: str
     series: list[Series]
     base: Selection = field(default_factory=dict)
     sweep: str | None = None
     x: str | None = None
-    note: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,8 +177,3 @@ class Paper:
     def of(self) -> str:
         """``of Xiao et al.``, or ``of the thesis`` where `short` is no name."""
         return f"of the {self.short}" if self.short[:1].islower() else f"of {self.short}"
-
-
-def where_in(section: str, page: int) -> str:
-    """``Section 3.2, p. 5 ff.``, without the page where it is not known."""
-    return f"Section {section}" + (f", p. {page} ff." if page else "")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from supersampling.reporting.published import name_of, stem_of, sweep_of
-from supersampling.reporting.schema import Metric, Paper, where_in
+from supersampling.reporting.schema import Metric, Paper
 from supersampling.reporting.settings import Setting
 from supersampling.reporting.sheet import Sheet, Style, Text
 from supersampling.reporting.statistics import Estimate
@@ -117,7 +117,7 @@ def _styles(filled: Filled, paper: Paper) -> dict[tuple[int, int, str], Style]:
 
 def _notes(filled: Filled, paper: Paper) -> list[str]:
     table = filled.table
-    notes = [_ended(f"{table.title.rstrip('.')} ({where_in(table.section, table.page)})")]
+    notes = [_ended(table.caption)]
     notes += [_ended(text) for text in (table.note, table.lost) if text]
     sweep = sweep_of(table, paper)
     sweep_note = [f"What is not run: sweeps={sweep}."] if sweep else []
@@ -197,7 +197,7 @@ def fact_sheets(paper: Paper) -> list[Sheet]:
             rows=[[Text(cell) for cell in row] for row in fact.rows],
             labels=len(fact.headers),
             notes=[
-                _ended(f"{fact.title.rstrip('.')} ({where_in(fact.section, fact.page)})"),
+                _ended(fact.caption),
                 *(_ended(text) for text in (fact.note, fact.lost) if text),
             ],
         )

@@ -25,7 +25,7 @@ from supersampling.profiling.count import size_of
 from supersampling.training.check import check_numbers
 from supersampling.training.fit import choose_constants, fit, load_weights
 from supersampling.training.identity import WEIGHTS_ONLY, flat_parameters, identity
-from supersampling.training.log import has_metrics, log_result, scores_of
+from supersampling.training.log import has_metrics, log_result, tuned_constants
 from supersampling.training.sanity import score_sanity
 from supersampling.training.tracking import PARENT_VARIABLE, Experiment, open_experiment
 
@@ -156,7 +156,8 @@ class Job:
                 model = fit(self.cfg, self.files, folder, self.experiment, run_id)
             else:
                 model = self._classical(run_id)
-            self._score(model, metrics, run_id, finished)
+            result = evaluate(model, metrics, instantiate(self.cfg.protocol), self.files["test"])
+            log_result(self.experiment, run_id, result, size_of(model))
             self.experiment.finish(run_id)
         except BaseException as error:
             let_go(error)  # what it cut short may hold the store's lock
@@ -167,10 +168,7 @@ class Job:
 
     def _finished(self, run: Run, learned: bool) -> Upsampler:
         """The method of a finished run, with its weights or its tuned constants."""
-        tuned = {
-            k.removeprefix("tuned."): float(v) for k, v in run.data.params.items() if k.startswith("tuned.")
-        }
-        model: Upsampler = instantiate(self.cfg.model, **tuned)
+        model: Upsampler = instantiate(self.cfg.model, **tuned_constants(run))
         if learned:
             load_weights(model, self.experiment.artifact(run.info.run_id, "checkpoint/last.ckpt"))
         return model
@@ -199,12 +197,6 @@ class Job:
         model, constants = choose_constants(self.cfg, self.files["train"])
         self.experiment.log_params(run_id, {f"tuned.{k}": v for k, v in constants.items()})
         return model
-
-    def _score(self, model: Upsampler, metrics: Metrics, run_id: str, again: bool) -> None:
-        result = evaluate(model, metrics, instantiate(self.cfg.protocol), self.files["test"])
-        older = scores_of(self.experiment, run_id) if again else None
-        kept = result if older is None else result.keep(older)
-        log_result(self.experiment, run_id, kept, size_of(model))
 
 
 # The stages that a method is published with; a run that swaps one says so in its name.

@@ -17,8 +17,12 @@ TAG = "ss.metrics"
 
 
 def log_result(experiment: Experiment, run_id: str, result: Result, more: Mapping[str, float]) -> None:
-    """Log the means as metrics, the tables and the crops as artifacts."""
+    """Log the means as metrics, the tables and the crops as artifacts; metrics that the run was scored by earlier, and that this
+    result does not have, are kept."""
     client = experiment.client
+    older = scores_of(experiment, run_id)
+    if older is not None:
+        result = result.keep(older)
     experiment.log_metrics(run_id, {**result.summary(), **more})
     client.log_table(run_id, result.clips, "clips.json")
     client.log_table(run_id, result.frames, "frames.json")
@@ -31,6 +35,11 @@ def log_result(experiment: Experiment, run_id: str, result: Result, more: Mappin
 def has_metrics(run: Run, metrics: Metrics) -> bool:
     """Whether a finished run was scored by all of these."""
     return set(metrics.names) <= set(run.data.tags.get(TAG, "").split(","))
+
+
+def tuned_constants(run: Run) -> dict[str, float]:
+    """What was tuned of a method that is not learned, by the argument's name."""
+    return {k.removeprefix("tuned."): float(v) for k, v in run.data.params.items() if k.startswith("tuned.")}
 
 
 def means_of(run: Run) -> dict[str, float]:

@@ -16,6 +16,7 @@ from supersampling.training.carry import build, carried
 from supersampling.training.fit import load_weights
 from supersampling.training.identity import flat_parameters
 from supersampling.training.job import experiment_of, is_learned, method_name
+from supersampling.training.log import tuned_constants
 from supersampling.training.tracking import Experiment
 
 
@@ -74,8 +75,7 @@ def _of_run(experiment: Experiment, cfg: DictConfig) -> Method:
             f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow "
             "UI."
         ) from error
-    tuned = {k.removeprefix("tuned."): float(v) for k, v in run.data.params.items() if k.startswith("tuned.")}
-    model = _agreed(cfg, trained["model"], trained["task"], f"Run {cfg.run}", **tuned)
+    model = _agreed(cfg, trained["model"], trained["task"], f"Run {cfg.run}", **tuned_constants(run))
     if is_learned(model):
         load_weights(model, experiment.artifact(cfg.run, "checkpoint/last.ckpt"))
     tags = run.data.tags

@@ -14,7 +14,7 @@ from supersampling.evaluation.result import Result, evaluate
 from supersampling.metrics.chosen import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.models.nearest import Nearest
-from supersampling.training.log import has_metrics, log_result, means_of, scores_of
+from supersampling.training.log import has_metrics, log_result, means_of
 from supersampling.training.tracking import Experiment
 
 
@@ -63,10 +63,8 @@ def _score_once(
 ) -> tuple[Result | None, dict[str, float]]:
     metrics: Metrics = instantiate(cfg.metrics)
     found = experiment.find(tags["ss.identity"])
-    finished = found is not None and found.info.status == "FINISHED"
-    if found is not None and finished and has_metrics(found, metrics):
+    if found is not None and found.info.status == "FINISHED" and has_metrics(found, metrics):
         return None, means_of(found)
-    older = scores_of(experiment, found.info.run_id) if found is not None and finished else None
     result = evaluate(model, metrics, instantiate(cfg.protocol), files)
     name = tags["ss.method"]
     if found is None:
@@ -76,7 +74,7 @@ def _score_once(
         run_id = found.info.run_id
         experiment.restart(run_id, None)
     experiment.log_params(run_id, {"model": name, "task.scale": cfg.task.scale, **protocol_parameters(cfg)})
-    log_result(experiment, run_id, result if older is None else result.keep(older), {})
+    log_result(experiment, run_id, result, {})
     experiment.finish(run_id)
     return result, means_of(experiment.client.get_run(run_id))
 
