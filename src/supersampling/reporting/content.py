@@ -136,15 +136,15 @@ def _figure(chosen: plots.FigureRuns, paper: Paper, material: Material, stem: Pa
 
 def _own_figures(material: Material, stem: Path) -> list[Data]:
     """Frames, training, and quality against cost, of the methods themselves."""
-    learned = [method for method in material.found if not method.classical]
+    learned = [method for method in material.leading if not method.classical]
     front = figures.front_figure(material.found, material.clips, Path(f"{stem}_front.pdf"))
     frames = figures.frames_figure(material.leading, material.frames, Path(f"{stem}_frames.pdf"))
-    trained = figures.training_figure(material.found, material.store, Path(f"{stem}_training.pdf"))
+    trained = figures.training_figure(learned, material.store, Path(f"{stem}_training.pdf"))
     captions = [
         ("front", front, "PSNR over the test set against parameters and minutes of training, for the leading configuration "
             "of each learned method. The dashed line is the best method without parameters."),
-        ("training", trained, f"Training loss and validation PSNR by step, one line a seed, {trained} of {len(learned)} trained "
-            "configurations. Losses of different kinds do not compare."),
+        ("training", trained, f"Training loss and validation PSNR by step, a line a seed, of {trained} of {len(learned)} learned "
+            "methods, each in its leading configuration. Losses of different kinds do not compare."),
         ("frames", frames, "PSNR of every test frame, clip after clip, for the leading configuration of each method, mean over "
             "its seeds."),
     ]  # fmt: skip

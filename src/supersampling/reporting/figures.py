@@ -85,11 +85,11 @@ def _of_clip(values: pd.Series, clip: tuple[str, int]) -> np.ndarray:
 
 
 def training_figure(found: Sequence[Method], store: Store, path: Path) -> int:
-    """Training loss and validation PSNR by step, a thin line a seed; returns how many configurations are drawn."""
-    learned = [method for method in found if not method.classical][: len(COLOURS)]
+    """Training loss and validation PSNR by step, a line a seed, of as many learned methods as there are colours; returns their
+    number."""
     histories = [
         (m.label, [[store.history(run, name) for run in m.runs] for name in ("train/loss", "val/psnr")])
-        for m in learned
+        for m in found[: len(COLOURS)]
     ]
     histories = [(label, both) for label, both in histories if any(any(lines) for lines in both)]
     if not histories:
