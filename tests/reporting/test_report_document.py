@@ -104,10 +104,12 @@ def test_a_claim_is_judged_on_paired_clips(report: Path, log: Log) -> None:
     assert "not run" in set(claims.verdict)
 
 
-def test_all_papers_and_an_overview(log: Log, tmp_path: Path) -> None:
+def test_all_papers_and_an_overview(log: Log, report: Path, tmp_path: Path) -> None:
     papers = sorted(path.stem for path in (ROOT / "reports" / "published").glob("*.yaml"))
     written = write_report(config(log, tmp_path, paper=None))
     assert [path.name for path in written] == [*(f"{name}.pdf" for name in papers), "overview.pdf"]
+    alone, among_all = (folder / "dlctus_overview.csv" for folder in (report, tmp_path))
+    assert alone.read_text() == among_all.read_text()
     text = " ".join(page.extract_text() for page in PdfReader(tmp_path / "overview.pdf").pages)
     assert "All methods and all claims" in text
     assert FINGERPRINT in text

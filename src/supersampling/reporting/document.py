@@ -28,6 +28,7 @@ def write_report(cfg: DictConfig) -> list[Path]:
     Returns the PDFs' paths and prints what was written. Nothing is written unless all of it was made.
     """
     papers = load_papers(Path(cfg.published), _text(cfg.paper))
+    known = load_papers(Path(cfg.published), None)
     template = Path(cfg.templates) / TEMPLATE
     if not template.is_file():
         raise UserError(
@@ -38,7 +39,7 @@ def write_report(cfg: DictConfig) -> list[Path]:
         store = Store(str(cfg.tracking_uri), build / "artifacts")
         experiment = store.experiment(str(cfg.experiment))
         choice = choose(experiment.runs, as_typed(cfg, "dataset"), _text(cfg.budget))
-        material = gather(papers, store, experiment, choice)
+        material = gather(papers, known, store, experiment, choice)
         names = [paper.paper for paper in papers] + ([OVERVIEW] if cfg.paper is None else [])
         for name in names:
             _make(name, material, build / name, template)

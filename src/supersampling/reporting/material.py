@@ -79,10 +79,13 @@ class Material:
         }
 
 
-def gather(papers: Sequence[Paper], store: Store, experiment: Experiment, choice: Choice) -> Material:
-    """Choose the runs of every paper and download their scores."""
+def gather(
+    papers: Sequence[Paper], known: Sequence[Paper], store: Store, experiment: Experiment, choice: Choice
+) -> Material:
+    """Choose the runs of every one of ``papers`` and download their scores. All ``known`` papers have a say in which configuration
+    leads its model, so that a report of one paper holds what it holds among all."""
     chosen = [PaperRuns.of(paper, choice) for paper in papers]
-    every = overview.methods(choice.pools[choice.setting], papers)
+    every = overview.methods(choice.pools[choice.setting], known)
     found = every if len(every) <= MAX_METHODS else [method for method in every if method.leading]
     leading = [run for method in found if method.leading for run in method.runs]
     over_frames = [
