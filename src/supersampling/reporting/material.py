@@ -82,7 +82,7 @@ class Material:
 def gather(
     papers: Sequence[Paper], known: Sequence[Paper], store: Store, experiment: Experiment, choice: Choice
 ) -> Material:
-    """Choose the runs of every one of ``papers`` and download their scores. All ``known`` papers have a say in which configuration
+    """Choose the runs of ``papers`` and download their scores. All ``known`` papers have a say in which configuration
     leads its model, so that a report of one paper holds what it holds among all."""
     chosen = [PaperRuns.of(paper, choice) for paper in papers]
     every = overview.methods(choice.pools[choice.setting], known)
