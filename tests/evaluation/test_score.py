@@ -9,6 +9,7 @@ from skimage.metrics import peak_signal_noise_ratio
 
 from supersampling.data.store import Store
 from supersampling.errors import UserError
+from supersampling.evaluation.crops import detailed_corner
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.result import evaluate
 from supersampling.metrics.chosen import Metrics
@@ -123,6 +124,24 @@ def test_all_values_are_kept_in_files(path, tmp_path):
         rows = np.asarray(plane)
     target = Store(path).read("target", 0, slice(0, 5))[:, :, 24].transpose(0, 2, 1)
     np.testing.assert_allclose(rows, target * 255, atol=0.01)
+
+
+class Pictured(Bicubic):
+    """With a state to look at: the target position's row, of the image's height."""
+
+    def pictured(self, state):
+        return {"rows": torch.linspace(0, 1, 48)[None, None, :, None].expand(1, 1, 48, 64)}
+
+
+def test_a_state_is_pictured_where_the_crop_is(path, tmp_path):
+    evaluate(Pictured(4), Metrics([PSNR()]), Protocol(Continuous()), [path]).write(tmp_path)
+    with Image.open(tmp_path / "state" / "0_analytic_rows.png") as picture:
+        values = np.asarray(picture)
+    with Image.open(tmp_path / "crops" / "0_analytic_target.png") as crop:
+        assert picture.size == crop.size
+    y, _ = detailed_corner(torch.from_numpy(Store(path).read("target", 0, slice(4, 5))), min(picture.size))
+    expected = np.round(255 * np.linspace(0, 1, 48))[y : y + len(values), None, None]
+    np.testing.assert_array_equal(values, np.broadcast_to(expected, values.shape))
 
 
 def test_metrics_of_an_earlier_evaluation_are_kept(path, tmp_path):

@@ -20,3 +20,11 @@ def test_without_it_history_is_colour():
     stage = NoAccumulation()
     assert stage.channels == 3
     assert torch.equal(stage(stage.append(color), torch.zeros(2, 1, 4, 5)), color)
+
+
+def test_the_buffer_alone_is_worth_looking_at():
+    history = torch.rand(2, 4, 3, 5)
+    pictured = AccumulationBuffer().pictured(history)
+    assert list(pictured) == ["accumulation"]
+    assert torch.equal(pictured["accumulation"], history[:, 3].unsqueeze(1))
+    assert NoAccumulation().pictured(history[:, :3]) == {}

@@ -17,7 +17,7 @@ from supersampling.metrics.chosen import Metrics
 from supersampling.metrics.video.epipolar import EpipolarPlane
 from supersampling.models.base import Upsampler
 
-PICTURES = ("crops", "epipolar")
+PICTURES = ("crops", "epipolar", "state")
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Result:
         return means
 
     def write(self, folder: Path) -> None:
-        """``frames.parquet`` (see `supersampling.metrics.scores`), ``crops/``, ``crops.png`` and ``epipolar/``."""
+        """``frames.parquet`` (see `supersampling.metrics.scores`), ``crops/``, ``crops.png``, ``epipolar/`` and ``state/``."""
         scores.write_scores(folder / scores.FILE, scores.Scores.of(self.frames, self.clips))
         for kind in PICTURES:
             shutil.copytree(Path(self.pictures.name) / kind, folder / kind)
@@ -88,7 +88,7 @@ def collect(scored: Iterable[ScoredFrame], warm_up: int) -> Result:
             continue
         of_clips.append({"scene": frame.name.scene, "clip": frame.name.clip, **frame.clip_scores})
         if frame.name.clip == 0:
-            save_crops(frame, folder / "crops", len(scenes))
+            save_crops(frame, folder, len(scenes))
             save_epipolar(plane, folder / "epipolar", f"{len(scenes)}_{file_name(frame.name.scene)}")
             scenes.append(frame.name.scene)
     frames = pd.DataFrame(rows)

@@ -3,7 +3,7 @@
 Clips are read frame by frame, so that memory does not grow with their length.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ from supersampling.models.base import Upsampler
 class ScoredFrame:
     """One output with what it was made from, whole; all tensors ``(1, C, ., .)``.
 
-    ``clip_scores`` are the values of the whole clip, with its last frame.
+    With a clip's last frame come ``clip_scores``, the values of the whole clip, and ``pictures`` of the method's state.
     """
 
     name: ClipName
@@ -37,7 +37,8 @@ class ScoredFrame:
     target: Tensor
     output: Tensor
     scores: dict[str, float]
-    clip_scores: dict[str, float] = field(default_factory=dict)
+    clip_scores: Mapping[str, float] = field(default_factory=dict)
+    pictures: Mapping[str, Tensor] = field(default_factory=dict)
 
     @property
     def place(self) -> dict[str, str | int]:
@@ -97,10 +98,20 @@ def _score_clip(
             scores = metrics.of_frames(moment)
             if t >= protocol.warm_up:
                 whole.add(moment)
-            of_clip = whole.finish() if t == length - 1 else {}
+            last = t == length - 1
+            of_clip = whole.finish() if last else {}
+            pictures = model.pictured(state) if last else {}
             previous = (output, target)
             yield ScoredFrame(
-                clips.name(index), t, length, batch["color"][:, 0], target, output, scores, of_clip
+                clips.name(index),
+                t,
+                length,
+                batch["color"][:, 0],
+                target,
+                output,
+                scores,
+                of_clip,
+                pictures,
             )
 
 

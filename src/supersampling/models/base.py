@@ -36,6 +36,10 @@ class Upsampler(nn.Module, ABC, Generic[State]):
         """The linear radiance ``(B, 3, H, W)`` of an output; None of a method that knows display colours alone."""
         return None
 
+    def pictured(self, state: State) -> Mapping[str, Tensor]:
+        """What of a state is worth looking at: images ``(B, 1, H, W)`` in [0, 1], by name."""
+        return {}
+
     @abstractmethod
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]: ...
 

@@ -110,6 +110,9 @@ class Blending(Upsampler[Tensor], ABC):
         o1, o2 = self.confine(predicted.to(history.dtype)).split(1, dim=1)
         return self.accumulate(torch.lerp(history, aligned, o1), o2).clamp(0.0, 1.0)
 
+    def pictured(self, state: Tensor) -> dict[str, Tensor]:
+        return self.accumulate.pictured(state)
+
 
 @final
 class DLCTUS(Blending):

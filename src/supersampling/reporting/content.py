@@ -17,19 +17,19 @@ from supersampling.reporting import (
     overview,
     plots,
     sheet,
+    states,
     table_sheets,
 )
+from supersampling.reporting.appendix import Cell, appendix, claim_cells, keys_of, paper_cells
 from supersampling.reporting.claims import Judged
-from supersampling.reporting.material import Material, PaperRuns, figure_runs
+from supersampling.reporting.material import Material, PaperRuns
 from supersampling.reporting.overview import Method
 from supersampling.reporting.published import name_of, stem_of
-from supersampling.reporting.runs import Run
 from supersampling.reporting.schema import Paper
 from supersampling.reporting.sheet import Sheet
-from supersampling.reporting.tables import Filled, fill
+from supersampling.reporting.tables import fill
 
 Data = dict[str, Any]
-Cell = tuple[str, list[Run]]
 CROP_METHODS = 7
 OVERVIEW = "overview"
 
@@ -50,7 +50,7 @@ def paper_content(one: PaperRuns, material: Material, made: Path) -> Data:
     if judged:
         _rows(claim_sheets.long_form(judged), f"{stem}_claims.csv")
     drawn = [_figure(figure, paper, material, stem) for figure in one.figures]
-    cells = _cells(material.found, filled, judged, one)
+    cells = paper_cells(material.found, filled, judged, one)
     methods = crop_methods(material, {run.model for run in one.runs})
     return {
         "title": paper.title,
@@ -64,7 +64,7 @@ def paper_content(one: PaperRuns, material: Material, made: Path) -> Data:
         "words": [dataclasses.asdict(item) for item in (*facts, *pictures)],
         "figures": drawn,
         **_pictures(methods, material, made),
-        **_appendix(cells, material),
+        **appendix(cells, material),
     }
 
 
@@ -80,7 +80,7 @@ def overview_content(material: Material, made: Path) -> Data:
     if every:
         _rows(claim_sheets.long_form(every), f"{stem}_claims.csv")
     cells: list[Cell] = [(f"All methods · {method.label}", method.runs) for method in found]
-    cells += [cell for _, claims in judged for cell in _claim_cells(claims)]
+    cells += [cell for _, claims in judged for cell in claim_cells(claims)]
     left = material.configurations - len(found)
     note = f"{left} configurations that do not lead their model are left out." if left else ""
     return {
@@ -96,7 +96,7 @@ def overview_content(material: Material, made: Path) -> Data:
         "words": [dataclasses.asdict(data)],
         "figures": _own_figures(material, stem),
         **_pictures(crop_methods(material, set()), material, made),
-        **_appendix(cells, material),
+        **appendix(cells, material),
     }
 
 
@@ -115,6 +115,10 @@ def _pictures(methods: Sequence[Method], material: Material, made: Path) -> Data
     return {
         "crops": dataclasses.asdict(crops.crop_table(methods, material.crops, made)),
         "epipolar": dataclasses.asdict(epipolar.epipolar_table(methods, material.epipolar, made)),
+        "states": [
+            dataclasses.asdict(table)
+            for table in states.state_tables(methods, material.states, material.crops, made)
+        ],
     }
 
 
@@ -158,7 +162,7 @@ def _claims(judged: Sequence[Judged], paper: Paper, cells: Sequence[Cell]) -> Da
         "paper": f"{paper.authors.split(',')[0]}: {paper.title}",
         "short": paper.short,
         "counts": [list(item) for item in claim_sheets.counts(judged)],
-        "rows": claim_sheets.rows(judged, _keys(cells)),
+        "rows": claim_sheets.rows(judged, keys_of(cells)),
     }
 
 
@@ -178,72 +182,3 @@ def _words(items: Iterable[Sheet], stem: Path) -> None:
 
 def _rows(rows: Sequence[dict[str, object]], path: str) -> None:
     pd.DataFrame(rows).to_csv(path, index=False, lineterminator="\n")
-
-
-def _cells(
-    found: Sequence[Method], filled: Sequence[Filled], judged: Sequence[Judged], one: PaperRuns
-) -> list[Cell]:
-    """Everything that our runs fill, named, with its runs."""
-    cells = [(f"Methods · {method.label}", method.runs) for method in found]
-    for item in filled:
-        name = name_of(item.table.number)
-        by_row = item.table.compare == "column" and len(
-            {tuple(r.id for r in runs) for runs in item.runs.values()}
-        ) < len(item.runs)
-        for (row, column), runs in sorted(item.runs.items()):
-            labels = "/".join(item.table.rows[row].labels)
-            if not by_row:
-                cells.append((f"{name} · {labels} · {item.table.columns[column].label}", runs))
-            elif column == min(c for r, c in item.runs if r == row):
-                cells.append((f"{name} · {labels}", runs))
-    figure_cells = [(f"Figure {figure.figure.number}", figure_runs(figure)) for figure in one.figures]
-    return cells + _claim_cells(judged) + [cell for cell in figure_cells if cell[1]]
-
-
-def _claim_cells(judged: Sequence[Judged]) -> list[Cell]:
-    return [
-        (f"Claim {item.claim.id} · {label}", runs)
-        for item in judged
-        for label, runs in item.chosen.runs.items()
-        if runs
-    ]
-
-
-def _keys(cells: Sequence[Cell]) -> dict[str, str]:
-    """``R1``, ``R2`` ... by run id."""
-    runs = {run.id: run for _, chosen in cells for run in chosen}
-    order = sorted(runs.values(), key=lambda run: (run.model, run.name, run.seed, run.id))
-    return {run.id: f"R{index + 1}" for index, run in enumerate(order)}
-
-
-def _appendix(cells: Sequence[Cell], material: Material) -> Data:
-    """The runs in use, numbered, each with a link to the MLflow UI if there is one, and the numbers behind each cell."""
-    keys, runs = _keys(cells), {run.id: run for _, chosen in cells for run in chosen}
-    return {
-        "runs": [
-            [
-                key,
-                runs[id].name,
-                id[:12],
-                runs[id].identity[:12],
-                runs[id].dataset[:8],
-                runs[id].seed,
-                link(id, material),
-            ]
-            for id, key in keys.items()
-        ],
-        "cells": [[name, " ".join(keys[run.id] for run in chosen)] for name, chosen in cells],
-        "problems": [
-            [keys.get(id, id[:12]), why] for id, why in sorted(material.store.problems.items()) if id in keys
-        ],
-    }
-
-
-def link(run_id: str, material: Material) -> str:
-    """The run's page in the MLflow UI; empty where the store is no server."""
-    uri = material.store.uri.rstrip("/")
-    return (
-        f"{uri}/#/experiments/{material.experiment.id}/runs/{run_id}"
-        if uri.startswith(("http://", "https://"))
-        else ""
-    )

@@ -62,6 +62,7 @@ class Material:
     frames: dict[str, pd.DataFrame]
     crops: dict[str, Path]
     epipolar: dict[str, Path]
+    states: dict[str, Path]
 
     @property
     def leading(self) -> list[Method]:
@@ -108,6 +109,7 @@ def gather(
         frames=store.tables(unique(leading + over_frames), "frames"),
         crops=store.folders(leading, "crops"),
         epipolar=store.folders(leading, "epipolar"),
+        states=store.folders(leading, "state"),
     )
 
 

@@ -17,8 +17,8 @@ LEADS = 4
 PICTURES = {
     "crops": "see the crops",
     "error_maps": "see the error maps below the crops",
-    "epipolar": "among each run's artifacts: epipolar/",
-    "accumulation": "not drawn: runs log no accumulated frames",
+    "epipolar": "see Stability over time",
+    "accumulation": "see States",
     "none": "not drawn",
 }
 Styles = Mapping[tuple[int, int, str], Style]
@@ -212,7 +212,7 @@ def picture_sheet(paper: Paper) -> list[Sheet]:
             Text(name_of(item.number)),
             Text(item.section),
             Text(" ".join(_ended(text) for text in (item.title, item.note) if text)),
-            Text(PICTURES[item.ours], "muted" if item.ours not in ("crops", "error_maps") else "plain"),
+            Text(PICTURES[item.ours], "muted" if item.ours == "none" else "plain"),
         ]
         for item in paper.pictures
     ]

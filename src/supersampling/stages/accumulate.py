@@ -18,6 +18,10 @@ class Accumulate(nn.Module, ABC):
         """Input colour ``(B, 3, H, W)`` to history channels ``(B, channels, H, W)``."""
 
     @abstractmethod
+    def pictured(self, history: Tensor) -> dict[str, Tensor]:
+        """The channels beyond colour of a history, ``(B, 1, H, W)`` each in [0, 1], by name (table 17)."""
+
+    @abstractmethod
     def forward(self, blended: Tensor, keep: Tensor) -> Tensor:
         """The new history, from the blended one ``(B, channels, H, W)`` and ``o2 (B, 1, H, W)``."""
 
@@ -31,6 +35,9 @@ class AccumulationBuffer(Accumulate):
 
     def append(self, color: Tensor) -> Tensor:
         return F.pad(color, (0, 0, 0, 0, 0, 1), value=1.0)
+
+    def pictured(self, history: Tensor) -> dict[str, Tensor]:
+        return {"accumulation": history[:, 3:4]}
 
     def forward(self, blended: Tensor, keep: Tensor) -> Tensor:
         return torch.cat((blended[:, :3], blended[:, 3:] * keep), dim=1)
@@ -48,6 +55,9 @@ class NoAccumulation(Accumulate):
 
     def append(self, color: Tensor) -> Tensor:
         return color
+
+    def pictured(self, history: Tensor) -> dict[str, Tensor]:
+        return {}
 
     def forward(self, blended: Tensor, keep: Tensor) -> Tensor:
         return blended
