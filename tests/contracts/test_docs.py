@@ -20,7 +20,7 @@ COMMANDS = sorted(
         line.strip()
         for page in PAGES
         for line in re.findall(
-            r"^ {4}(python (?:train|render|show|count|evaluate|export|report|compare)\.py.*)$",
+            r"^ {4}(python (?:train|render|show|count|evaluate|export|report|compare|advise)\.py.*)$",
             page.read_text(),
             re.MULTILINE,
         )
@@ -79,9 +79,18 @@ SMALL = {
     "evaluate": ["data=smoke", "scene=atrium"],
     "count": ["scene=atrium"],
     "export": ["scene=atrium", "check=2"],
+    "advise": [
+        "data=smoke",
+        "budget=smoke",
+        "scene=atrium",
+        "rungs=[1]",
+        "seeds=[1]",
+        "size=[16,16]",
+        "frames=1",
+    ],
     "report": [],
 }
-ORDER = {"count": 0, "render": 0, "show": 1, "train": 2, "evaluate": 3, "export": 3, "report": 4}
+ORDER = {"count": 0, "render": 0, "show": 1, "train": 2, "evaluate": 3, "export": 3, "advise": 3, "report": 5}
 # What needs files of the user's, or hours.
 UNRUN = (
     r"RUN_ID|compare|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"

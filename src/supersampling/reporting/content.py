@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from supersampling.reporting import (
+    advice_sheet,
     claim_sheets,
     crops,
     datasets,
@@ -75,7 +76,8 @@ def overview_content(material: Material, made: Path) -> Data:
     judged = [(one.paper, material.judged[one.paper.paper]) for one in material.papers]
     ours = [material.summary, *overview.by_scene(found, clips)]
     data = datasets.sheet(material)
-    _export([*ours, data], stem)
+    advice = advice_sheet.sheets(material.store, material.experiment.id)
+    _export([*ours, data, *advice], stem)
     every = [claim for _, claims in judged for claim in claims]
     if every:
         _rows(claim_sheets.long_form(every), f"{stem}_claims.csv")
@@ -94,6 +96,7 @@ def overview_content(material: Material, made: Path) -> Data:
         "overview_note": note,
         "tables": [],
         "words": [dataclasses.asdict(data)],
+        "advice": [dataclasses.asdict(item) for item in advice],
         "figures": _own_figures(material, stem),
         **_pictures(crop_methods(material, set()), material, made),
         **appendix(cells, material),

@@ -22,6 +22,8 @@ from supersampling.metrics import scores
 DOWNLOADS_AT_ONCE = 8
 Kind = Literal["job", "evaluation"]
 PAGE = 500
+SEARCHED = "ss.search"
+"""Marks a training of a search that is shorter than its last ones: no report takes it."""
 _OF_SCENE = re.compile(r"test/.+/.+")
 
 
@@ -116,9 +118,10 @@ class Store:
                 page = self._client.search_runs(
                     [experiment_id], f"tags.`ss.kind` = '{kind}'", max_results=PAGE, page_token=token
                 )
-                done = [_run(job) for job in page if job.info.status == "FINISHED"]
+                jobs = [job for job in page if SEARCHED not in job.data.tags]
+                done = [_run(job) for job in jobs if job.info.status == "FINISHED"]
                 finished.extend(done)
-                unfinished += len(page) - len(done)
+                unfinished += len(jobs) - len(done)
                 token = page.token
                 if not token:
                     break
