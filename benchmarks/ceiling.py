@@ -1,0 +1,176 @@
+"""How much of a frame's time its convolutions would take alone, and what takes the rest, for every model.
+
+    python benchmarks/ceiling.py                                   all models to 1920x1080 at 4x4, two threads
+    python benchmarks/ceiling.py model=enss_s,dlctus threads=1 clock=cpu layout=channels_last
+
+Two ceilings: *alone* is the time of the frame's own convolutions, the same shapes run one after another, each in the faster of
+the two layouts, over the time of the frame; *product* is that of a large matrix product with as many multiply-accumulates. A
+method that computes its convolutions another way (DLCTUS's native form: Winograd's) may be above 1. Of a model without
+convolutions there is neither. Below each line: what the frame's operations take of it, largest first.
+``clock=cpu`` counts the process's own time in place of the wall's, for one thread on a machine that others use, too.
+"""
+
+import os
+import statistics
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import torch
+from hydra import compose, initialize_config_dir
+from hydra.utils import instantiate
+from torch.utils._python_dispatch import TorchDispatchMode
+
+from supersampling.models.base import Upsampler
+from supersampling.models.dlctus import DLCTUS
+from supersampling.models.dlctus_native import DLCTUSNative
+from supersampling.profiling.count import random_frame
+from supersampling.resolvers import register
+
+ROOT = Path(__file__).resolve().parents[1]
+os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
+CONF = ROOT / "conf"
+MODELS = "dlctus,dlctus:deployed,dlctus:native,nsrd,enss_s,enss_m,enss_l,tus,jau,bicubic,nsrr"
+DEFAULTS = {
+    "model": MODELS, "threads": "2", "repeats": "5", "size": "1920x1080", "scale": "4", "clock": "wall", "layout": "contiguous",
+}  # fmt: skip
+CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
+PRODUCT = 1024  # side of the matrices
+
+Call = tuple[Any, ...]
+
+
+class Recorder(TorchDispatchMode):
+    """The time of every operation, by name, and the arguments of the convolutions."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        super().__init__()
+        self.clock = clock
+        self.seconds: dict[str, float] = {}
+        self.calls: list[Call] = []
+
+    def __torch_dispatch__(self, func: Any, types: Any, args: Any = (), kwargs: Any = None) -> Any:
+        start = self.clock()
+        result = func(*args, **(kwargs or {}))
+        name = func.overloadpacket.__name__
+        self.seconds[name] = self.seconds.get(name, 0.0) + self.clock() - start
+        if func is torch.ops.aten.convolution.default:
+            self.calls.append(args)
+        return result
+
+
+def build(name: str, scale: int, layout: str) -> Upsampler:
+    """A model of ``conf/model``, in the form after the colon: the plain one, ``deployed`` or ``native``."""
+    name, _, form = name.partition(":")
+    register()
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        cfg = compose("count", [f"model={name}", f"task.scale={scale}"])
+    torch.manual_seed(0)
+    model: Upsampler = instantiate(cfg.model).eval()
+    if form and isinstance(model, DLCTUS):
+        model = DLCTUSNative(model) if form == "native" else model.for_inference()
+    return model.to(memory_format=torch.channels_last) if layout == "channels_last" else model  # type: ignore[call-overload]
+
+
+def macs(call: Call) -> int:
+    """Of a convolution that is not transposed."""
+    x, weight, _, stride, padding, dilation = call[:6]
+    sides = [
+        (n + 2 * p - d * (k - 1) - 1) // s + 1
+        for n, k, s, p, d in zip(x.shape[2:], weight.shape[2:], stride, padding, dilation)
+    ]
+    return int(x.shape[0] * sides[0] * sides[1] * weight.numel())
+
+
+def alone(calls: list[Call], clock: Callable[[], float], repeats: int) -> float:
+    """Seconds of the convolutions, equal shapes timed once, each in its faster layout."""
+    shapes = Counter((c[0].shape, c[1].shape, *map(tuple, c[3:6]), c[8]) for c in calls)
+    total = 0.0
+    for (x_shape, w_shape, stride, padding, dilation, groups), count in shapes.items():
+        times = []
+        for layout in (torch.contiguous_format, torch.channels_last):
+            x = torch.rand(x_shape).contiguous(memory_format=layout)
+            weight, bias = (
+                torch.rand(w_shape).contiguous(memory_format=layout),
+                torch.rand(w_shape[0]),
+            )
+
+            run = partial(torch.conv2d, x, weight, bias, stride, padding, dilation, groups)
+            run()
+            times.append(fastest(run, clock, repeats))
+        total += count * min(times)
+    return total
+
+
+def fastest(work: Callable[[], object], clock: Callable[[], float], repeats: int) -> float:
+    times = []
+    for _ in range(repeats):
+        start = clock()
+        work()
+        times.append(clock() - start)
+    return min(times)
+
+
+def convolutions(model: Upsampler, width: int, height: int) -> list[Call]:
+    """The frame's convolutions; of the native form, those that the plain one would make."""
+    recorder, frame = Recorder(time.perf_counter), random_frame(model, width, height, "cpu")
+    state = model(frame, None)[1]
+    with recorder:
+        model(frame, state)
+    return recorder.calls
+
+
+def line(name: str, asked: Mapping[str, str], rate: float) -> None:
+    clock, repeats, scale = CLOCKS[asked["clock"]], int(asked["repeats"]), int(asked["scale"])
+    width, height = (int(n) // scale for n in asked["size"].split("x"))
+    model = build(name, scale, asked["layout"])
+    frames = [random_frame(model, width, height, "cpu", seed=t) for t in range(3)]
+    calls = convolutions(build(name.replace(":native", ":deployed"), scale, asked["layout"]), width, height)
+    state: Any = None
+    for frame in frames:
+        _, state = model(frame, state)
+    times = []
+    for t in range(repeats):
+        start = clock()
+        model(frames[t % 3], state)
+        times.append(clock() - start)
+    recorder = Recorder(clock)
+    with recorder:
+        model(frames[0], state)
+    whole, work = min(times), sum(map(macs, calls))
+    found = (
+        f"{name:16s}{1e3 * whole:9.1f} ms (median {1e3 * statistics.median(times):.1f}){work / 1e9:9.2f} GMAC"
+    )
+    if work:
+        bound = alone(calls, clock, repeats)
+        found += f"   alone {bound / whole:5.2f} ({work / bound / 1e9:.0f} GMAC/s)   product {work / rate / whole:5.2f}"
+    print(found)
+    total = max(whole, sum(recorder.seconds.values()))
+    largest = sorted(recorder.seconds.items(), key=lambda item: -item[1])
+    shares = [f"{op} {s / total:.0%}" for op, s in largest[:9] if s / total > 0.01]
+    if name.endswith(":native"):
+        shares = ["C++ (not PyTorch's operations)"]
+    print(" " * 8 + ", ".join(shares), flush=True)
+
+
+def main() -> None:
+    asked = DEFAULTS | dict(word.split("=", 1) for word in sys.argv[1:])
+    torch.set_num_threads(int(asked["threads"]))
+    clock = CLOCKS[asked["clock"]]
+    a, b = torch.rand(2, PRODUCT, PRODUCT)
+    rate = PRODUCT**3 / fastest(lambda: a @ b, clock, 20)
+    said = (
+        f"{asked['size']} at {asked['scale']}x{asked['scale']}, {asked['threads']} threads, {asked['layout']}"
+    )
+    print(f"{said}, {asked['clock']} clock; matrix product {rate / 1e9:.0f} GMAC/s")
+    with torch.no_grad():  # in inference mode, a convolution would not be seen for what it is
+        for name in asked["model"].split(","):
+            line(name, asked, rate)
+
+
+if __name__ == "__main__":
+    main()
