@@ -20,7 +20,7 @@ COMMANDS = sorted(
         line.strip()
         for page in PAGES
         for line in re.findall(
-            r"^ {4}(python (?:train|render|show|count|evaluate|export|report|compare|advise)\.py.*)$",
+            r"^ {4}(python (?:train|render|show|count|evaluate|export|report|compare|benchmark|stress|advise)\.py.*)$",
             page.read_text(),
             re.MULTILINE,
         )
@@ -78,6 +78,7 @@ SMALL = {
     "show": ["data=smoke", "scene=atrium", "video=null", "data.train.clips=4"],
     "evaluate": ["data=smoke", "scene=atrium"],
     "count": ["scene=atrium"],
+    "benchmark": ["sizes=[[96,96]]", "rounds=1", "frames=2", "backends=[eager,tensorrt]"],
     "export": ["scene=atrium", "check=2"],
     "advise": [
         "data=smoke",
@@ -90,11 +91,13 @@ SMALL = {
     ],
     "report": [],
 }
-ORDER = {"count": 0, "render": 0, "show": 1, "train": 2, "evaluate": 3, "export": 3, "advise": 3, "report": 5}
+ORDER = {
+    "count": 0, "render": 0, "show": 1, "train": 2, "evaluate": 3, "export": 3, "benchmark": 3, "stress": 3, "advise": 3, "report": 5,
+}  # fmt: skip
 # What needs files of the user's, or hours.
 UNRUN = (
     r"RUN_ID|compare|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"
-    r"|sweeps=(dlctus |nsrr_table9,)"
+    r"|sweeps=(dlctus |nsrr_table9,)|3840"
 )
 RUNNABLE = [c for c in COMMANDS if not re.search(UNRUN, c)]
 

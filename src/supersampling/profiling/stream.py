@@ -1,0 +1,126 @@
+"""Frames one at a time, as a game would give them, and how long each takes."""
+
+import itertools
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from torch import Tensor
+
+from supersampling.frames import Frame
+from supersampling.models.base import Upsampler
+from supersampling.profiling.backends import Stream, buffers
+from supersampling.profiling.ceiling import synchronise
+from supersampling.profiling.count import LONGEST, random_frame
+
+Clock = Callable[[], float]  # seconds
+FEWEST, MOST = 4, 64  # distinct frames
+SETTLING = 2  # frames after the state has reached its full size: what runs for the first time there is done
+SMOOTH = 8  # motion changes over an eighth of the image: neighbours read neighbours, as in a rendered frame
+_CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
+USUAL_CACHE = 2**25
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Median and quartiles of so many values."""
+
+    median: float
+    low: float
+    high: float
+    count: int
+
+
+def spread(values: Sequence[float]) -> Spread:
+    """Of one value or more."""
+    low, median, high = np.quantile(values, (0.25, 0.5, 0.75))
+    return Spread(float(median), float(low), float(high), len(values))
+
+
+def cache_size() -> int:
+    """Bytes of this processor's largest cache; 32 MiB where it does not say."""
+    units = {"K": 2**10, "M": 2**20, "G": 2**30}
+    sizes = [p.read_text().strip() for p in _CACHES.glob("index*/size")]
+    return max((int(s[:-1]) * units[s[-1]] for s in sizes if s[-1:] in units), default=USUAL_CACHE)
+
+
+def distinct_frames(
+    model: Upsampler, width: int, height: int, jitters: Tensor | None, cache: int
+) -> list[Frame]:
+    """Random frames that together are larger than ``cache`` bytes, 4 to 64 of them, with the jitters in turn.
+
+    Motion is smooth, up to 1 % of the image.
+
+    Args:
+        width, height: of the low-resolution input.
+        jitters: ``(N, 2)``, or None for random ones.
+    """
+    first = _frame(model, width, height, jitters, 0)
+    held = sum(values.nbytes for values in buffers(first).values())
+    count = min(max(FEWEST, cache // held + 1), MOST)
+    return [first, *(_frame(model, width, height, jitters, t) for t in range(1, count))]
+
+
+def _frame(model: Upsampler, width: int, height: int, jitters: Tensor | None, t: int) -> Frame:
+    frame = random_frame(model, width, height, "cpu", seed=t)
+    changed = {
+        name: F.interpolate(values[..., :SMOOTH, :SMOOTH], values.shape[-2:], mode="bilinear")
+        for name, values in buffers(frame).items()
+        if "motion" in name
+    }
+    if jitters is not None and frame.jitter is not None:
+        changed["jitter"] = jitters[t % len(jitters)][None]
+    return replace(frame, **changed)
+
+
+class Streaming:
+    """A loaded method with frames to run on, one after the other and over again."""
+
+    def __init__(
+        self, stream: Stream, frames: Sequence[Frame], device: torch.device, clock: Clock = time.perf_counter
+    ) -> None:
+        self.stream = stream
+        self._frames = itertools.cycle([stream.prepare(frame) for frame in frames])
+        self._device, self._clock = device, clock
+
+    def step(self) -> Any:
+        """The next frame's result, once the device has it."""
+        result = self.stream.step(next(self._frames))
+        synchronise(self._device)
+        return result
+
+    def warm_up(self) -> None:
+        """Run until the state has its full size, and a little longer.
+
+        Raises:
+            RuntimeError: the state still grows after 64 frames.
+        """
+        before: list[tuple[int, ...]] | None = None
+        for _ in range(LONGEST):
+            self.step()
+            shapes = self.stream.shapes()
+            if shapes == before:
+                break
+            before = shapes
+        else:
+            raise RuntimeError(f"its state still grows after {LONGEST} frames")
+        for _ in range(SETTLING):
+            self.step()
+
+    def time(self, frames: int, seconds: float) -> list[float]:
+        """Seconds of each of so many frames, or of as many as begin within so many seconds, of one at least.
+
+        A frame before them is not counted: what ran in between took the caches.
+        """
+        self.step()
+        taken: list[float] = []
+        while len(taken) < frames and (not taken or sum(taken) < seconds):
+            began = self._clock()
+            self.step()
+            taken.append(self._clock() - began)
+        return taken
