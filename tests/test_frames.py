@@ -1,5 +1,6 @@
 """Frames and clips of buffers that may begin at different times."""
 
+import pytest
 import torch
 
 from supersampling.frames import BUFFERS, Frame, length_of
@@ -27,3 +28,24 @@ def test_every_input_is_a_buffer_and_no_reference_is_an_input():
     names = set(Frame.__dataclass_fields__)
     assert names <= BUFFERS.keys()
     assert BUFFERS.keys() - names == {"target", "target_radiance"}
+
+
+def test_a_repaired_frame_is_finite_and_keeps_what_was():
+    bad = torch.tensor([0.25, torch.nan, torch.inf, -torch.inf]).view(1, 1, 1, 4)
+    names = [b.name for b in BUFFERS.values() if b.resolution == "low" and b.name != "jitter"]
+    frame = Frame(
+        **{name: bad.clone() for name in names}, jitter=torch.tensor([[torch.nan, 0.1]]), high_depth=bad
+    )
+    mended = frame.repaired()
+    for name in names:
+        values = getattr(mended, name)
+        assert values.isfinite().all()
+        assert values[..., 0].item() == 0.25
+        assert getattr(frame, name)[..., 1].isnan().all()  # a frame is not changed
+    assert mended.depth[0, 0, 0].tolist() == [0.25, 1.0, 1.0, 0.0]
+    assert mended.color[0, 0, 0].tolist() == [0.25, 0.0, 1.0, 0.0]
+    assert mended.radiance[0, 0, 0].tolist() == [0.25, 0.0, 65504.0, -65504.0]
+    assert mended.motion[0, 0, 0, 1:].abs().min() > 1000  # images away
+    assert mended.jitter[0].tolist() == [0.0, pytest.approx(0.1)]
+    assert mended.high_depth is bad
+    assert mended.high_normal is None

@@ -10,10 +10,13 @@ normal, object id) one sample at the pixel's centre.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
+import torch
 from torch import Tensor
+
+from supersampling.ops.warp import LARGEST, finite_motion
 
 Kind = Literal["display", "light", "reflectance", "plane", "direction", "scalar", "id"]
 
@@ -102,6 +105,17 @@ def length_of(clip: Mapping[str, Tensor]) -> int:
     return max(values.shape[1] for values in clip.values())
 
 
+def _repaired(name: str, values: Tensor) -> Tensor:
+    """Finite where they were not: NaN becomes black, depth far, motion from outside of the image; infinite colour white."""
+    if name in ("motion", "motion_dual"):
+        return finite_motion(values)
+    if name == "depth":
+        return torch.nan_to_num(values, 1.0, 1.0, 0.0)
+    if name == "color":
+        return torch.nan_to_num(values, 0.0, 1.0, 0.0)
+    return torch.nan_to_num(values, 0.0, LARGEST, -LARGEST)
+
+
 @dataclass(frozen=True)
 class Frame:
     """One time step's inputs, float32, batch first; a buffer that nobody asked for is ``None``.
@@ -143,3 +157,12 @@ class Frame:
         length = length_of(clip)
         late = {f.name: t - (length - clip[f.name].shape[1]) for f in fields(cls) if f.name in clip}
         return cls(**{name: clip[name][:, k] for name, k in late.items() if k >= 0})
+
+    def repaired(self) -> "Frame":
+        """This frame with the low-resolution buffers and the jitter finite; those that were keep every bit.
+
+        A renderer's NaN would otherwise spread through a network, and stay in what is handed from frame to frame. ``high_*``
+        buffers are left: models read them to present an output alone, where nothing spreads.
+        """
+        held = ((f.name, getattr(self, f.name)) for f in fields(self) if not f.name.startswith("high_"))
+        return replace(self, **{name: _repaired(name, values) for name, values in held if values is not None})

@@ -80,3 +80,14 @@ def test_mistakes(threshold):
         MaskedTemporal(threshold, 1.0)
     with pytest.raises(UserError, match="beta"):
         MaskedTemporal(0.1, 0.0)
+
+
+def test_motion_that_is_nan_leaves_a_finite_loss_and_gradient():
+    torch.manual_seed(0)
+    outputs = torch.rand(1, 2, 3, 8, 8, requires_grad=True)
+    motion = torch.zeros(1, 2, 2, 4, 4)
+    motion[:, 1, :, 2, 1] = torch.nan
+    value = MaskedTemporal(0.1, 1.0)(outputs, outputs.detach(), {"motion": motion, "motion_dual": motion})
+    (gradient,) = torch.autograd.grad(value, outputs)
+    assert value.isfinite()
+    assert gradient.isfinite().all()

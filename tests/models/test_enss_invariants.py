@@ -118,3 +118,16 @@ def test_runs_under_autocast_with_a_history_in_full_precision():
 def test_an_impossible_size_is_refused(features, depth):
     with pytest.raises(UserError, match=f"got {features} and {depth}"):
         enss(features=features, depth=depth)
+
+
+@pytest.mark.parametrize("value", [torch.nan, torch.inf])
+def test_a_history_that_is_not_finite_counts_as_zero(value):
+    model, buffers = enss(2), clip()
+    state = run(model, {k: v[:, :1] for k, v in buffers.items()})[1]
+    states = [(state[0].clone(), *state[1:]) for _ in range(2)]
+    states[0][0][:] = value
+    states[1][0].zero_()
+    (got, after), (expected, _) = (model(Frame.of(buffers, 1), s) for s in states)
+    assert got.isfinite().all()
+    assert after[0].isfinite().all()
+    assert torch.equal(got, expected)

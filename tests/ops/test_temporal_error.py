@@ -18,3 +18,15 @@ def test_an_error_follows_the_low_resolution_motion():
     carried = carry_error(error, motion)
     assert carried[0, 0, 3, 3] == 1.0
     assert carried.sum() == 1.0
+
+
+def test_motion_that_is_nan_leaves_a_finite_error_and_gradient():
+    """PyTorch's gradient of a warp by NaN writes outside of memory."""
+    error = torch.rand(1, 3, 8, 8, requires_grad=True)
+    motion = torch.zeros(1, 2, 4, 4)
+    motion[..., 1, 2] = torch.nan
+    carried = carry_error(error, motion)
+    (gradient,) = torch.autograd.grad(carried.sum(), error)
+    assert carried.isfinite().all()
+    assert gradient.isfinite().all()
+    assert gradient.sum().item() == 192  # a warp's weights sum to 1

@@ -1,7 +1,9 @@
+import math
+
 import pytest
 import torch
 
-from supersampling.ops.warp import outside, sampling_grid, warp
+from supersampling.ops.warp import broken, finite_motion, outside, sampling_grid, warp
 
 
 def ramp(height, width):
@@ -50,3 +52,36 @@ def test_the_grid_without_motion_is_affine_grids():
     theta = torch.tensor([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]], dtype=torch.float64)
     expected = torch.nn.functional.affine_grid(theta, [1, 1, 5, 9], align_corners=False)
     torch.testing.assert_close(sampling_grid(torch.zeros(1, 2, 5, 9, dtype=torch.float64)), expected)
+
+
+def test_positions_on_the_border_are_inside_in_every_precision():
+    """Motion by half a target pixel leads from the last pixel's centre to the border, at widths where rounding would decide."""
+    for width in range(1, 200):
+        motion = torch.zeros(1, 2, 1, width, dtype=torch.float64)
+        motion[:, 0] = 0.5 / width
+        assert not outside(motion).any()
+        assert not outside(motion.float()).any()
+        assert outside(motion.float() * 1.01)[..., -1].all()
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_motion_that_is_not_finite_is_outside_and_becomes_finite(value):
+    motion = torch.zeros(1, 2, 4, 8)
+    motion[0, 1, 2, 3] = value
+    expected = torch.zeros(1, 1, 4, 8, dtype=torch.bool)
+    expected[0, 0, 2, 3] = True
+    assert torch.equal(outside(motion), expected)
+    mended = finite_motion(motion)
+    assert mended.isfinite().all()
+    assert torch.equal(outside(mended), expected)
+    assert torch.equal(mended[~motion.isnan() & ~motion.isinf()], motion[~motion.isnan() & ~motion.isinf()])
+
+
+def test_a_history_is_broken_where_a_channel_is():
+    history = torch.rand(1, 3, 4, 8)
+    history[0, 0, 0, 0], history[0, 1, 1, 1], history[0, 2, 2, 2], history[0, 0, 3, 3] = (
+        math.nan, math.inf, -math.inf, 1e5,
+    )  # fmt: skip
+    expected = torch.zeros(4, 8, dtype=torch.bool)
+    expected[range(4), range(4)] = True
+    assert torch.equal(broken(history)[0, 0], expected)

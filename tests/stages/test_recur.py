@@ -95,3 +95,17 @@ def test_the_cell_keeps_its_precision_under_autocast():
     with torch.autocast("cpu", torch.bfloat16):
         _, (hidden, cell) = recur(torch.rand(1, 3, 4, 6).bfloat16(), torch.zeros(1, 2, 8, 12), ())
     assert hidden.dtype == cell.dtype == torch.float32
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+@pytest.mark.parametrize("part", range(3))
+def test_nothing_that_is_not_finite_is_taken_over(value, part):
+    """Output, hidden or cell: what is not finite counts as 0."""
+    stage = Recurrent(channels=4, width=3, scale=2).double()
+    shallow, motion = numbers(1, 4, 3, 5), torch.zeros(1, 2, 6, 10, dtype=torch.float64)
+    carried = [numbers(1, 3, 6, 10), numbers(1, 3, 3, 5), numbers(1, 3, 3, 5)]
+    spoiled, zeroed = [t.clone() for t in carried], [t.clone() for t in carried]
+    spoiled[part][0, 1, 2, 3], zeroed[part][0, 1, 2, 3] = value, 0.0
+    got, expected = (stage(shallow, motion, tuple(c)) for c in (spoiled, zeroed))
+    assert torch.equal(got[0], expected[0])
+    assert torch.equal(got[1][1], expected[1][1])

@@ -13,7 +13,7 @@ from supersampling.losses.pixel import check_beta
 from supersampling.ops.motion_mask import motion_mask
 from supersampling.ops.resample import upsample_motion
 from supersampling.ops.temporal import carry_error, spatiotemporal_error
-from supersampling.ops.warp import warp
+from supersampling.ops.warp import finite_motion, warp
 
 
 @final
@@ -72,7 +72,9 @@ class MaskedTemporal(Loss):
         outputs = outputs.to(
             torch.promote_types(outputs.dtype, frames["motion"].dtype)
         )  # half under autocast
-        motion, motion_dual = (frames[name][:, 1:].flatten(0, 1) for name in ("motion", "motion_dual"))
+        motion, motion_dual = (
+            finite_motion(frames[name][:, 1:].flatten(0, 1)) for name in ("motion", "motion_dual")
+        )
         carried = warp(outputs[:, :-1].flatten(0, 1), upsample_motion(motion, size))
         # Upsampling is linear: of the difference it is the difference of both.
         offset = upsample_motion(motion_dual - motion, size)

@@ -144,9 +144,10 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
             return self.history.start(jitter_aligned_upsample(frame.color, frame.jitter, self.scale))
         carried, *memory = state
         motion = self.flow(frame, tuple(memory))
-        if motion is None:
-            return carried
-        return self.reproject(carried, self.motion_grid(motion, frame.depth, self.scale))
+        if motion is not None:
+            carried = self.reproject(carried, self.motion_grid(motion, frame.depth, self.scale))
+        # What is not finite would stay so through every blend.
+        return torch.nan_to_num(carried, 0.0, 0.0, 0.0)
 
     def with_precomputed_kernels(self, jitters: Tensor) -> "ENSS":
         """A copy for inference, whose kernels are made beforehand for a jitter sequence ``(N, 2)`` (section 4.2), without the

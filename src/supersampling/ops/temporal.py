@@ -3,7 +3,7 @@
 from torch import Tensor
 
 from supersampling.ops.resample import upsample_motion
-from supersampling.ops.warp import warp
+from supersampling.ops.warp import finite_motion, warp
 
 
 def spatiotemporal_error(current: Tensor, previous: Tensor, theta: float) -> Tensor:
@@ -23,4 +23,4 @@ def carry_error(error: Tensor, motion: Tensor) -> Tensor:
     the pixel was hidden or outside the image (the border is repeated there).
     """
     height, width = error.shape[-2:]
-    return warp(error, upsample_motion(motion, (height, width)))
+    return warp(error, upsample_motion(finite_motion(motion), (height, width)))

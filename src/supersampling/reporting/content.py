@@ -19,6 +19,7 @@ from supersampling.reporting import (
     plots,
     sheet,
     states,
+    stress_sheet,
     table_sheets,
 )
 from supersampling.reporting.appendix import Cell, appendix, claim_cells, keys_of, paper_cells
@@ -77,7 +78,8 @@ def overview_content(material: Material, made: Path) -> Data:
     ours = [material.summary, *overview.by_scene(found, clips)]
     data = datasets.sheet(material)
     advice = advice_sheet.sheets(material.store, material.experiment.id)
-    _export([*ours, data, *advice], stem)
+    extremes = stress_sheet.sheets(material.store, material.experiment.id)
+    _export([*ours, data, *extremes, *advice], stem)
     every = [claim for _, claims in judged for claim in claims]
     if every:
         _rows(claim_sheets.long_form(every), f"{stem}_claims.csv")
@@ -97,6 +99,7 @@ def overview_content(material: Material, made: Path) -> Data:
         "tables": [],
         "words": [dataclasses.asdict(data)],
         "advice": [dataclasses.asdict(item) for item in advice],
+        "stress": [dataclasses.asdict(item) for item in extremes],
         "figures": _own_figures(material, stem),
         **_pictures(crop_methods(material, set()), material, made),
         **appendix(cells, material),

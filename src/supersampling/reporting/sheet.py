@@ -81,7 +81,7 @@ _TEX = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}", ">": r"\textgreater{}",
     "±": r"$\pm$", "×": r"$\times$", "−": "$-$", "θ": r"$\theta$", "Δ": r"$\Delta$", "₀": "$_0$", "₁": "$_1$",
-    "–": "--", "∞": r"$\infty$", "≥": r"$\geq$", "·": r"$\cdot$", "\n": " ",
+    "–": "--", "∞": r"$\infty$", "≥": r"$\geq$", "·": r"$\cdot$", "✓": r"$\surd$", "✗": r"$\times$", "\n": " ",
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Slot ``pad``: what stands in for history from outside the previous image (Swensen 2021, 4.1.2)."""
+"""Slot ``pad``: what stands in for history from outside the previous image (Swensen 2021, 4.1.2), or that is not finite."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -6,13 +6,14 @@ from typing import final
 import torch
 from torch import Tensor, nn
 
-from supersampling.ops.warp import outside
+from supersampling.ops.warp import broken, outside
 
 
 class Pad(nn.Module, ABC):
     """``forward(history, aligned (B, C, H, W), motion (B, 2, H, W)) -> (B, C, H, W)``.
 
-    ``aligned`` is the jitter-aligned input in the history's channels.
+    ``aligned`` is the jitter-aligned input in the history's channels. A history that is not finite is replaced here, too: it
+    would stay so, and spread with every reprojection.
     """
 
     @abstractmethod
@@ -24,7 +25,7 @@ class JitterAligned(Pad):
     """The jitter-aligned current frame, as the thesis does."""
 
     def forward(self, history: Tensor, aligned: Tensor, motion: Tensor) -> Tensor:
-        return torch.where(outside(motion), aligned, history)
+        return torch.where(outside(motion) | broken(history), aligned, history)
 
 
 @final
@@ -32,4 +33,4 @@ class Zeros(Pad):
     """Black, as Xiao et al. 2020 do."""
 
     def forward(self, history: Tensor, aligned: Tensor, motion: Tensor) -> Tensor:
-        return history.masked_fill(outside(motion), 0.0)
+        return history.masked_fill(outside(motion) | broken(history), 0.0)

@@ -78,7 +78,9 @@ class Recurrent(Recur):
         b, _, height, width = motion.shape
         if carried:
             output, hidden, cell = carried
-            previous = warp(output, motion)
+            # Nothing that is not finite is taken over: the cell and the loop through the network would keep it.
+            previous = torch.nan_to_num(warp(output, motion), 0.0, 0.0, 0.0)
+            hidden, cell = (torch.nan_to_num(memory, 0.0, 0.0, 0.0) for memory in (hidden, cell))
         else:
             previous = motion.new_zeros((b, 3, height, width))
             hidden = cell = motion.new_zeros((b, self.width, height // self.scale, width // self.scale))
