@@ -2,11 +2,9 @@
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-
-import pandas as pd
 
 from supersampling.reporting import (
     advice_sheet,
@@ -17,19 +15,19 @@ from supersampling.reporting import (
     figures,
     overview,
     plots,
-    sheet,
     states,
     stress_sheet,
     table_sheets,
 )
 from supersampling.reporting.appendix import Cell, appendix, claim_cells, keys_of, paper_cells
 from supersampling.reporting.claims import Judged
+from supersampling.reporting.exports import export, rows, words
 from supersampling.reporting.material import Material, PaperRuns
 from supersampling.reporting.overview import Method
 from supersampling.reporting.published import name_of, stem_of
 from supersampling.reporting.schema import Paper
-from supersampling.reporting.sheet import Sheet
 from supersampling.reporting.tables import fill
+from supersampling.reporting.trade_content import trade_content
 
 Data = dict[str, Any]
 CROP_METHODS = 7
@@ -44,13 +42,13 @@ def paper_content(one: PaperRuns, material: Material, made: Path) -> Data:
     theirs = [part for item in filled for part in table_sheets.sheets(item, paper)]
     facts, pictures = table_sheets.fact_sheets(paper), table_sheets.picture_sheet(paper)
     summary = material.summary
-    _export([summary, *facts, *pictures], stem)
-    _words(theirs, stem)
-    _words([claim_sheets.sheet(judged, paper)] if judged else [], stem)
+    export([summary, *facts, *pictures], stem)
+    words(theirs, stem)
+    words([claim_sheets.sheet(judged, paper)] if judged else [], stem)
     for item in filled:
-        _rows(table_sheets.long_form(item, paper), f"{stem}_table{stem_of(item.table.number)}.csv")
+        rows(table_sheets.long_form(item, paper), f"{stem}_table{stem_of(item.table.number)}.csv")
     if judged:
-        _rows(claim_sheets.long_form(judged), f"{stem}_claims.csv")
+        rows(claim_sheets.long_form(judged), f"{stem}_claims.csv")
     drawn = [_figure(figure, paper, material, stem) for figure in one.figures]
     cells = paper_cells(material.found, filled, judged, one)
     methods = crop_methods(material, {run.model for run in one.runs})
@@ -79,10 +77,10 @@ def overview_content(material: Material, made: Path) -> Data:
     data = datasets.sheet(material)
     advice = advice_sheet.sheets(material.store, material.experiment.id)
     extremes = stress_sheet.sheets(material.store, material.experiment.id)
-    _export([*ours, data, *extremes, *advice], stem)
+    export([*ours, data, *extremes, *advice], stem)
     every = [claim for _, claims in judged for claim in claims]
     if every:
-        _rows(claim_sheets.long_form(every), f"{stem}_claims.csv")
+        rows(claim_sheets.long_form(every), f"{stem}_claims.csv")
     cells: list[Cell] = [(f"All methods · {method.label}", method.runs) for method in found]
     cells += [cell for _, claims in judged for cell in claim_cells(claims)]
     left = material.configurations - len(found)
@@ -96,6 +94,7 @@ def overview_content(material: Material, made: Path) -> Data:
         "claims": [_claims(claims, paper, cells) for paper, claims in judged if claims],
         "overview": [dataclasses.asdict(item) for item in ours],
         "overview_note": note,
+        "trade": trade_content(material, stem),
         "tables": [],
         "words": [dataclasses.asdict(data)],
         "advice": [dataclasses.asdict(item) for item in advice],
@@ -170,21 +169,3 @@ def _claims(judged: Sequence[Judged], paper: Paper, cells: Sequence[Cell]) -> Da
         "counts": [list(item) for item in claim_sheets.counts(judged)],
         "rows": claim_sheets.rows(judged, keys_of(cells)),
     }
-
-
-def _export(items: Iterable[Sheet], stem: Path) -> None:
-    """Sheets as CSV (as typeset), Markdown and LaTeX."""
-    for item in items:
-        typeset = pd.DataFrame([[cell.text for cell in row] for row in item.rows], columns=item.headers)
-        typeset.to_csv(f"{stem}_{item.name}.csv", index=False, lineterminator="\n")
-        _words([item], stem)
-
-
-def _words(items: Iterable[Sheet], stem: Path) -> None:
-    for item in items:
-        Path(f"{stem}_{item.name}.md").write_text(sheet.markdown(item), encoding="utf-8")
-        Path(f"{stem}_{item.name}.tex").write_text(sheet.latex(item), encoding="utf-8")
-
-
-def _rows(rows: Sequence[dict[str, object]], path: str) -> None:
-    pd.DataFrame(rows).to_csv(path, index=False, lineterminator="\n")

@@ -20,7 +20,7 @@ from supersampling.errors import UserError
 from supersampling.metrics import scores
 
 DOWNLOADS_AT_ONCE = 8
-Kind = Literal["job", "evaluation"]
+Kind = Literal["job", "evaluation", "benchmark", "stress", "advice"]
 PAGE = 500
 SEARCHED = "ss.search"
 """Marks a training of a search that is shorter than its last ones: no report takes it."""
@@ -29,7 +29,8 @@ _OF_SCENE = re.compile(r"test/.+/.+")
 
 @dataclass(frozen=True)
 class Run:
-    """A finished job, or an evaluation of a method by itself: its tags, flat parameters (as strings), last metric values."""
+    """A finished job, or an evaluation of a method by itself, or what another command logged (``kind``): its tags, flat
+    parameters (as strings), last metric values."""
 
     id: str
     name: str
@@ -161,6 +162,18 @@ class Store:
         if why not in said:
             self.problems[run_id] = f"{said}; {why}" if said else why
 
+    def logged(self, experiment_id: str, kind: Kind, name: str) -> list[tuple[Run, pd.DataFrame]]:
+        """A table that a command's runs logged by `mlflow`'s ``log_table``, of each finished run of that kind, oldest first."""
+        runs = sorted(self._jobs(experiment_id, [kind])[0], key=lambda run: (run.ended, run.id))
+        files, found = self._download(runs, name), []
+        for run in [run for run in runs if run.id in files]:
+            try:
+                raw: dict[str, Any] = json.loads(files[run.id].read_text(encoding="utf-8"))
+                found.append((run, pd.DataFrame(raw["data"], columns=raw["columns"])))
+            except (ValueError, KeyError) as error:
+                self.note(run.id, f"{name} cannot be read ({_first_line(error)})")
+        return found
+
     def folders(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
         """An artifact folder of each run on the local disk; a run without it is left out."""
         return self._download(runs, name)
@@ -199,7 +212,7 @@ class Store:
 
 def _run(job: MlflowRun) -> Run:
     tags, params = job.data.tags, dict(job.data.params)
-    kind: Kind = "evaluation" if tags["ss.kind"] == "evaluation" else "job"
+    kind: Kind = tags["ss.kind"]  # type: ignore[assignment]
     if kind == "evaluation":
         # They are the training's; of the data that it was scored on the fingerprint alone is known.
         params = {name: value for name, value in params.items() if name not in ("data", "data.scenes")}

@@ -1,0 +1,152 @@
+"""What a backend and precision change in a method's quality: both roll over whole clips, each with a state of its own.
+
+A recurrent method feeds its own errors back, so that a difference may grow frame after frame: the slope says by how much.
+"""
+
+import copy
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import pandas as pd
+import torch
+from torch import Tensor
+
+from supersampling.data.clips import WholeClips
+from supersampling.deploy.quantise import tiled
+from supersampling.evaluation.score import whole_clips
+from supersampling.frames import Frame
+from supersampling.metrics.image import psnr
+from supersampling.metrics.prepare import Prepare
+from supersampling.models.base import Upsampler
+from supersampling.reporting.statistics import Estimate, bootstrap_mean
+
+TABLE = "precision.json"
+KEYS = ["method", "architecture", "backend", "precision", "machine"]
+Variant = tuple[str, str]  # backend, precision
+CALIBRATED = 8  # frames of a clip
+
+
+class Player(Protocol):
+    """A loaded method: see `supersampling.profiling.backends.Stream`."""
+
+    def reset(self) -> None: ...
+
+    def prepare(self, frame: Frame) -> Any: ...
+
+    def step(self, prepared: Any) -> Any: ...
+
+    def image(self, result: Any) -> Tensor: ...
+
+
+@dataclass(frozen=True)
+class Change:
+    """What one variant changes, over ``frames`` frames of whole clips.
+
+    Attributes:
+        mean: dB, variant less float32, paired; a negative one is a loss.
+        slope: dB a frame, of a straight line through each clip's differences: how fast it drifts.
+        largest: difference of any pixel, of a range of 1; infinite where one is not finite.
+    """
+
+    method: str
+    architecture: str
+    backend: str
+    precision: str
+    machine: str
+    mean: Estimate
+    slope: Estimate
+    largest: float
+    frames: int
+
+
+@torch.inference_mode()
+def roll(
+    model: Upsampler,
+    players: Mapping[Variant, Player],
+    clips: WholeClips,
+    prepare: Prepare,
+    chosen: Sequence[int] | None = None,
+) -> pd.DataFrame:
+    """A row for each frame and variant: ``scene, clip, frame, backend, precision, psnr, changed, largest``.
+
+    ``psnr`` is that of the model as it is trained (PyTorch, float32), ``changed`` the variant's, both against the target.
+
+    Args:
+        chosen: which of the clips; None for all.
+    """
+    model = copy.deepcopy(model).cpu().eval()
+    rows = []
+    for index in range(len(clips)) if chosen is None else chosen:
+        name, state = clips.name(index), None
+        for player in players.values():
+            player.reset()
+        for t, parts in enumerate(clips.read_frames(index)):
+            batch = {key: values[None] for key, values in parts.items()}
+            frame, target = Frame.of(batch, 0), batch["target"][:, 0]
+            output, state = model(frame, state)
+            exact = model.present(output, frame)
+            own = psnr(prepare(exact, target), target).item()
+            for (backend, precision), player in players.items():
+                image = player.image(player.step(player.prepare(frame)))
+                rows.append(
+                    {
+                        "scene": name.scene, "clip": name.clip, "frame": t, "backend": backend, "precision": precision,
+                        "psnr": own, "changed": psnr(prepare(image, target), target).item(),
+                        "largest": float((image - exact).abs().nan_to_num(nan=torch.inf).max()),
+                    }
+                )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def first_clips(clips: WholeClips) -> list[int]:
+    """The first clip of every scene."""
+    first: dict[str, int] = {}
+    for index in range(len(clips)):
+        first.setdefault(clips.name(index).scene, index)
+    return list(first.values())
+
+
+def changes(rows: pd.DataFrame) -> list[Change]:
+    """Of a table of `roll` with the columns `KEYS` beside; the order is the table's."""
+    return [_change(dict(zip(KEYS, key)), of_one) for key, of_one in rows.groupby(KEYS, sort=False)]
+
+
+def _change(named: dict[str, Any], rows: pd.DataFrame) -> Change:
+    apart = rows.assign(apart=rows["changed"].astype(float) - rows["psnr"].astype(float))
+    clips = [clip for _, clip in apart.groupby(["scene", "clip"], sort=True)]
+    scenes = [str(clip["scene"].iloc[0]) for clip in clips]
+    largest = pd.to_numeric(rows["largest"]).fillna(np.inf)  # JSON knows no infinity
+    return Change(
+        **named,
+        mean=bootstrap_mean([float(clip["apart"].mean()) for clip in clips], scenes),
+        slope=bootstrap_mean([slope(clip["frame"], clip["apart"]) for clip in clips], scenes),
+        largest=float(largest.max()),
+        frames=len(rows),
+    )
+
+
+def slope(frames: pd.Series, values: pd.Series) -> float:
+    """Of the straight line of least squares; 0 of a single frame."""
+    x = frames.to_numpy(dtype=float) - float(frames.mean())
+    below = float((x * x).sum())
+    return 0.0 if below == 0.0 else float((x * values.to_numpy(dtype=float)).sum() / below)
+
+
+def costs(found: Sequence[Change]) -> dict[tuple[str, str, str], Estimate]:
+    """As `supersampling.profiling.front.candidates` wants them; the last of several counts."""
+    return {(c.architecture, c.backend, c.precision): c.mean for c in found}
+
+
+def calibration(
+    files: Sequence[Path], model: Upsampler, size: tuple[int, int], frames: int = CALIBRATED
+) -> Iterator[Iterator[Frame]]:
+    """The first frames of each file's first clip, `tiled` to ``size``: what int8 is calibrated on. Validation files will do."""
+    for path in files:
+        clips = whole_clips([path], model.requires, 0)
+        parts = zip(range(frames), clips.read_frames(0))
+        yield (
+            tiled(Frame.of({k: v[None] for k, v in part.items()}, 0), size, model.scale) for _, part in parts
+        )

@@ -1,0 +1,166 @@
+"""Picks against tables that were decided by hand."""
+
+import math
+
+import pytest
+from trade_cases import NO, candidate, clip_scores, run, timing
+
+from supersampling.errors import UserError
+from supersampling.profiling.front import Candidate, candidates
+from supersampling.profiling.pick import Rendering, paired, sentences, upper, within_db, within_ms
+from supersampling.reporting.overview import Method
+from supersampling.reporting.statistics import Estimate
+
+ALONE = Rendering()
+
+
+def gaps(half: float):
+    """Differences of the means, every interval as wide."""
+
+    def of(a: Candidate, b: Candidate) -> Estimate:
+        mean = a.quality.mean - b.quality.mean
+        return Estimate(mean, mean - half, mean + half, 10, 5)
+
+    return of
+
+
+TABLE = [
+    candidate("slow", 31.0, 20.0),
+    candidate("good", 30.0, 8.0),
+    candidate("close", 29.95, 4.0),
+    candidate("plain", 28.0, 1.0),
+    candidate("wasteful", 27.0, 15.0),
+    candidate("broken", 50.0, NO),
+    candidate("unscored", NO, 0.1),
+]
+
+
+@pytest.mark.parametrize(
+    ("ms", "half", "best", "tied"),
+    [
+        (100.0, 0.1, "slow", []),
+        (100.0, 1.02, "slow", ["good"]),
+        (100.0, 1.2, "slow", ["close", "good"]),  # fastest first
+        (10.0, 0.01, "good", []),
+        (10.0, 0.1, "good", ["close"]),
+        (8.0, 0.01, "good", []),  # a time that is met exactly is within
+        (7.9, 0.1, "close", []),
+        (1.0, 9.9, "plain", []),
+    ],
+)
+def test_the_best_within_a_time(ms, half, best, tied):
+    answer = within_ms(TABLE, ms, ALONE, gaps(half))
+    assert answer.chosen.label == best
+    assert [c.label for c in answer.tied] == tied
+
+
+@pytest.mark.parametrize(
+    ("db", "half", "chosen"),
+    [
+        (0.0, 0.0, "slow"),
+        (0.5, 0.1, "slow"),
+        (1.0, 0.1, "slow"),  # the mean would do, the interval's end does not
+        (1.12, 0.1, "good"),
+        (1.16, 0.1, "close"),
+        (1.06, 0.0, "close"),
+        (3.2, 0.1, "plain"),
+        (99.0, 0.1, "plain"),
+    ],
+)
+def test_the_fastest_within_a_loss_is_decided_by_the_intervals_end(db, half, chosen):
+    assert within_db(TABLE, db, ALONE, gaps(half)).chosen.label == chosen
+
+
+def test_a_budget_is_kept_by_the_upper_quartile():
+    found = [candidate("steady", 28.0, 4.0, high=4.1), candidate("restless", 30.0, 4.0, high=6.0)]
+    assert within_ms(found, 5.0, ALONE, gaps(0.1)).chosen.label == "steady"
+    assert upper(candidate("one frame", 1.0, 3.0, high=NO)) == 3.0
+
+
+def test_ties_go_to_the_faster():
+    found = [candidate("a", 30.0, 5.0), candidate("b", 30.0, 4.0), candidate("b twin", 30.0, 4.0)]
+    answer = within_ms(found, 9.0, ALONE, gaps(0.1))
+    assert answer.chosen.label == "b"
+    assert [c.label for c in answer.tied] == ["b twin", "a"]
+    assert within_db(found, 0.0, ALONE, gaps(0.0)).chosen.label == "b"
+
+
+def test_of_a_methods_backends_the_fastest_stands_for_it():
+    found = [candidate("m", 30.0, ms, backend=name) for name, ms in (("eager", 9.0), ("openvino", 3.0))]
+    found.append(candidate("m", 29.9, 2.0, backend="openvino", precision="int8"))
+    answer = within_ms(found, 10.0, ALONE, gaps(0.2))
+    assert answer.chosen.how == "openvino float32"
+    assert [c.how for c in answer.tied] == ["openvino int8"]
+
+
+def test_without_an_interval_nothing_is_tied_or_near():
+    """One clip."""
+
+    def unknown(a, b):
+        return Estimate(a.quality.mean - b.quality.mean, NO, NO, 1)
+
+    answer = within_ms(TABLE, 10.0, ALONE, unknown)
+    assert (answer.chosen.label, answer.tied, answer.undecided) == ("good", (), 2)
+    assert within_db(TABLE, 5.0, ALONE, unknown).chosen.label == "slow"
+    assert "no interval" in " ".join(sentences(answer, ms=10.0))
+
+
+def test_real_statistics_of_one_seed_pair_scenes():
+    """Scenes differ by decibels, methods by a tenth: paired, the data can tell, and a seed is enough to say so of its weights."""
+    names = {"a": (30.0, 1, 0.02), "b": (29.9, 2, 0.02), "c": (29.99, 3, 0.05)}
+    clips = {f"{name}-0": clip_scores(*how) for name, how in names.items()}
+    timings = [timing(ms, name) for name, ms in zip(names, (9.0, 5.0, 2.0))]
+    found = candidates(
+        [Method(name, [run(name)], True) for name in names], timings, {f"{n}-0": n for n in names}, clips, {}
+    )
+    answer = within_ms(found, 10.0, ALONE, paired(clips))
+    assert answer.chosen.label == "a"
+    assert [c.label for c in answer.tied] == ["c"]
+    assert within_db(found, 0.2, ALONE, paired(clips)).chosen.label == "c"
+    assert within_db(found, 0.001, ALONE, paired(clips)).chosen.label == "a"
+    said = " ".join(sentences(answer, ms=10.0))
+    assert "cannot tell it from c" in said
+    assert "The fastest of these is c" in said
+
+
+@pytest.mark.parametrize("ms", [0, 0.0, -1.0, NO, math.inf, "soon", True])
+def test_a_time_that_is_none(ms):
+    with pytest.raises(UserError, match=rf"pick.ms={ms} .* fastest here is plain .*1 ms"):
+        within_ms(TABLE, ms, ALONE, gaps(0.1))
+
+
+@pytest.mark.parametrize("db", [-0.1, NO, math.inf, "little"])
+def test_a_loss_that_is_none(db):
+    with pytest.raises(UserError, match=rf"pick.db={db} .*plain"):
+        within_db(TABLE, db, ALONE, gaps(0.1))
+
+
+def test_a_time_that_nothing_keeps():
+    with pytest.raises(UserError, match=r"within pick.ms=0.5: the fastest is plain .*1 ms"):
+        within_ms(TABLE, 0.5, ALONE, gaps(0.1))
+    with pytest.raises(UserError, match=r"within pick.ms=2: .* with its rendering 4 ms"):
+        within_ms(TABLE, 2.0, Rendering(3.0), gaps(0.1))
+
+
+def test_nothing_at_all():
+    for found in ([], TABLE[-2:]):
+        with pytest.raises(UserError, match="train on this data set"):
+            within_ms(found, 5.0, ALONE, gaps(0.1))
+
+
+def test_rendering_counts_and_says_whether_upscaling_pays():
+    rendering = Rendering.of(5.0, 12.0)
+    answer = within_ms(TABLE, 10.0, rendering, gaps(0.01))
+    assert answer.chosen.label == "close"  # 5 + 8 of the better one are too many
+    assert "Upscaling pays: 5 + 4 = 9 ms a frame, against 12 ms" in " ".join(sentences(answer, ms=10.0))
+    slow = within_ms(TABLE, 30.0, rendering, gaps(0.01))
+    assert "does not pay" in " ".join(sentences(slow, ms=30.0))
+    assert "Rendering low and upscaling" in " ".join(
+        sentences(within_ms(TABLE, 10.0, Rendering.of(5.0, None), gaps(0.1)), ms=10.0)
+    )
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, None), (-1.0, 5.0), (NO, None), (3.0, 0.0), (None, 5.0)])
+def test_rendering_that_is_none(low, high):
+    with pytest.raises(UserError, match="render."):
+        Rendering.of(low, high)
