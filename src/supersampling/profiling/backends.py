@@ -1,7 +1,7 @@
 """Ways to run a method frame by frame, each a class, behind one call."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Protocol, final, runtime_checkable
 
@@ -12,6 +12,8 @@ from torch.utils._pytree import tree_leaves
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
 from supersampling.profiling.precision import TYPES, lacking
+
+Clips = Callable[[Upsampler, tuple[int, int]], Iterable[Iterable[Frame]]]
 
 
 @runtime_checkable
@@ -88,6 +90,10 @@ class Backend(ABC):
 
     @abstractmethod
     def load(self, model: Upsampler, setting: Setting) -> Stream: ...
+
+    def calibrated(self, clips: Clips) -> "Backend":
+        """This backend; one that quantises does so by the frames that ``clips`` gives of a model and low-resolution size."""
+        return self
 
 
 @final

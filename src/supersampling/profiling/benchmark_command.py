@@ -1,8 +1,9 @@
 """What ``benchmark.py`` does."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import pandas as pd
@@ -11,10 +12,13 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from supersampling.errors import UserError
+from supersampling.profiling import drift
 from supersampling.profiling.backends import Backend
 from supersampling.profiling.benchmark_log import log, tell_jobs
+from supersampling.profiling.cost_command import cost_command
 from supersampling.profiling.interleave import Outcome, Rounds, measure
 from supersampling.profiling.methods import Subject, named, of_run
+from supersampling.profiling.pick_command import pick_command, wants_pick
 from supersampling.profiling.precision import TYPES
 from supersampling.profiling.stream import spread
 from supersampling.profiling.timing import Timing
@@ -39,17 +43,25 @@ def benchmark_command(cfg: DictConfig) -> None:
     Raises:
         UserError: a setting that is not possible, or an unknown method, backend, precision or run.
     """
+    if wants_pick(cfg):
+        pick_command(cfg)
+        return
     check_settings(cfg)
     pin(cfg.threads)
     experiment = experiment_of(cfg)
     subjects = _subjects(cfg, experiment)
     device = _device(cfg.device)
-    timings, stages = timed(cfg, subjects, device)
+    backends: dict[str, Any] = OmegaConf.to_container(cfg.backends, resolve=True)  # type: ignore[assignment]
+    timings, stages = timed(cfg, subjects, backends, device)
     show(timings, stages)
     run_id = log(experiment, cfg, timings, stages)
     try:
         tell_jobs(experiment, timings)
-        # What is decided by these timings (a front, a pick) comes here; it adds its own tables to the run.
+        if cfg.cost:
+            made = {name: instantiate(backend) for name, backend in backends.items()}
+            changed = cost_command(cfg, experiment, made)
+            if len(changed):
+                experiment.client.log_table(run_id, changed, drift.TABLE)
     except BaseException:
         experiment.finish(run_id, "FAILED")
         raise
@@ -87,6 +99,8 @@ def check_settings(cfg: DictConfig) -> None:
     for key in ("sizes", "precisions", "backends"):
         if not cfg[key]:
             raise UserError(f"{key}={cfg[key]} leaves nothing to time: give one or more.")
+    if cfg.cost and not cfg.run:
+        raise UserError("cost=true needs trained weights: name them with run=RUN_ID, or run=all.")
     if cfg.run and cfg.methods:
         raise UserError(f"run={cfg.run} and methods={list(cfg.methods)} exclude each other: give one.")
 
@@ -121,10 +135,9 @@ def _subjects(cfg: DictConfig, experiment: Experiment) -> list[Subject]:
 
 
 def timed(
-    cfg: DictConfig, subjects: Sequence[Subject], device: torch.device
+    cfg: DictConfig, subjects: Sequence[Subject], backends: Mapping[str, Any], device: torch.device
 ) -> tuple[list[Timing], pd.DataFrame]:
     """Every combination's timing, and the table of parts of those that have any."""
-    backends: dict[str, Any] = OmegaConf.to_container(cfg.backends, resolve=True)  # type: ignore[assignment]
     made: dict[str, Backend] = {name: instantiate(config) for name, config in backends.items()}
     cases = [
         Case(s.name, s.model, s.scale, s.jitter, tuple(size), made[key].name, backends[key], precision, device.type, cfg.threads)
@@ -142,7 +155,14 @@ def timed(
             works[key] = work(case.model, *case.low)
         timings.append(timing_of(outcome, works[key]))
         stages += [_identified(timings[-1]) | vars(part) for part in outcome.parts]
-    return timings, pd.DataFrame(stages)
+    return _once(timings), pd.DataFrame(stages)
+
+
+def _once(timings: Sequence[Timing]) -> list[Timing]:
+    """Without the reasons of a backend where another one of its name does run (OpenVINO's, exact and quantised)."""
+    identity = attrgetter("architecture", "width", "height", "backend", "precision")
+    ran = {identity(timing) for timing in timings if timing.runs}
+    return [timing for timing in timings if timing.runs or identity(timing) not in ran]
 
 
 def _why(case: Case, backend: Backend, device: torch.device) -> str:

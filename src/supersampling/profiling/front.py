@@ -96,6 +96,8 @@ def candidates(
     """
     newest: dict[str, dict[tuple[Any, ...], Timing]] = {}
     for timing in timings:
+        if not timing.runs:
+            continue
         kind = (Place.of(timing), timing.backend, timing.precision)
         newest.setdefault(timing.architecture, {})[kind] = timing
     found = []
@@ -106,7 +108,7 @@ def candidates(
             continue
         for timing in newest.get(own, {}).values():
             cost = costs.get((own, timing.backend, timing.precision))
-            if not timing.runs or (timing.precision != EXACT and cost is None):
+            if timing.precision != EXACT and cost is None:
                 continue
             exact = timing.precision == EXACT or cost is None
             found.append(

@@ -1,7 +1,6 @@
 """OpenVINO with its convolutions in int8, as a backend."""
 
 import tempfile
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import final
 
@@ -11,12 +10,10 @@ from supersampling.deploy.check import random_frames
 from supersampling.deploy.quantise import missing, quantise
 from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OpenVINO
-from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
-from supersampling.profiling.backends import Backend, Setting, Stream
+from supersampling.profiling.backends import Backend, Clips, Setting, Stream
 from supersampling.profiling.graphs import RunnerStream, write
 
-Clips = Iterable[Iterable[Frame]]
 PRECISION = "int8"
 
 
@@ -31,13 +28,16 @@ class OpenVINOInt8(Backend):
 
     name = "openvino"
 
-    def __init__(self, clips: Callable[[Upsampler, tuple[int, int]], Clips] | None = None) -> None:
+    def __init__(self, clips: Clips | None = None) -> None:
         self._clips = clips
 
     def missing(self, device: torch.device, precision: str) -> str:
         if precision != PRECISION:
             return f"This is int8 alone, not {precision}."
         return missing() if device.type == "cpu" else "OpenVINO does not run on CUDA."
+
+    def calibrated(self, clips: Clips) -> Backend:
+        return OpenVINOInt8(clips)
 
     def load(self, model: Upsampler, setting: Setting) -> Stream:
         size = (setting.width, setting.height)
