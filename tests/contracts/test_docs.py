@@ -99,7 +99,7 @@ ORDER = {
 # What needs files of the user's, or hours.
 UNRUN = (
     r"RUN_ID|compare|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"
-    r"|sweeps=(dlctus |nsrr_table9,)|3840"
+    r"|sweeps=(dlctus |nsrr_table9,)|3840|pick\.|cost=true"
 )
 RUNNABLE = [c for c in COMMANDS if not re.search(UNRUN, c)]
 
