@@ -1,26 +1,27 @@
 """What a composition costs: milliseconds a frame in streaming use, and the buffers that it makes a renderer write."""
 
+import copy
 import hashlib
 import json
+import math
 import statistics
-import time
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import lightning as L
 import torch
 
 from supersampling.frames import BUFFERS
 from supersampling.models.base import Upsampler
-from supersampling.profiling.count import random_frame
+from supersampling.profiling.backends import Eager, Setting
+from supersampling.profiling.stream import Streaming, cache_size, distinct_frames
 from supersampling.render.content import load_scene
 from supersampling.render.measure.costs import costs
 from supersampling.training.tracking import machine
 
 BYTES = {"uint8": 1, "uint16": 2, "float16": 2, "float32": 4}
-SETTLED = 6  # frames until every model's state has its full size
-INPUTS = 3  # frames that take turns
 
 
 @dataclass(frozen=True)
@@ -40,20 +41,19 @@ class Size:
     height: int
 
 
-@torch.inference_mode()
 def frame_times(models: Sequence[Upsampler], size: Size, frames: int) -> list[Cost]:
-    """Every model on random frames, one at a time with its state, in turns, so that a noisy machine is noisy to all alike."""
-    inputs = [
-        [random_frame(m, size.width, size.height, "cpu", seed) for seed in range(INPUTS)] for m in models
-    ]
-    states: list[Any] = [None] * len(models)
-    taken: list[list[float]] = [[] for _ in models]
-    for t in range(SETTLED + frames):
-        for k, model in enumerate(models):
-            began = time.perf_counter()
-            _, states[k] = model.eval()(inputs[k][t % INPUTS], states[k])
-            if t >= SETTLED:
-                taken[k].append(1e3 * (time.perf_counter() - began))
+    """Every model in streaming use, on the device of a training, in turns, so that a noisy machine is noisy to all alike."""
+    device = L.Fabric(accelerator="auto", devices=1).device
+    setting = Setting(size.width, size.height, "float32", device, torch.get_num_threads())
+    streams = []
+    for model in models:
+        inputs = distinct_frames(model, size.width, size.height, None, cache_size())
+        streams.append(Streaming(Eager().load(copy.deepcopy(model), setting), inputs, device))
+        streams[-1].warm_up()
+    taken: list[list[float]] = [[] for _ in streams]
+    for _ in range(frames):
+        for times, stream in zip(taken, streams):
+            times += [1e3 * seconds for seconds in stream.time(1, math.inf)]
     return in_turns(taken)
 
 

@@ -1,20 +1,14 @@
 """What scenes require: of each scene and space the newest advice, what it saves, what it took, and what each part brings."""
 
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from mlflow import MlflowClient
-from mlflow.entities import Run
-from mlflow.exceptions import MlflowException
 
 from supersampling.reporting.runs import Store
 from supersampling.reporting.sheet import Sheet, Style, Text
 
 SUMMARY, PARTS = "summary.json", "contributions.json"
-NEWEST = 500
 
 
 def sheets(store: Store, experiment_id: str) -> list[Sheet]:
@@ -35,32 +29,12 @@ def sheets(store: Store, experiment_id: str) -> list[Sheet]:
 
 def _tables(store: Store, experiment_id: str) -> list[tuple[str, pd.DataFrame, pd.DataFrame]]:
     """Machine, summary and parts of the newest finished run of each scene and space."""
-    client = MlflowClient(store.uri)
-    query = "tags.`ss.kind` = 'advice' and attributes.status = 'FINISHED'"
-    newest: dict[tuple[str, str], Run] = {}
-    try:
-        for run in client.search_runs(
-            [experiment_id], query, order_by=["attributes.end_time DESC"], max_results=NEWEST
-        ):
-            newest.setdefault((run.data.tags.get("ss.scene", ""), run.data.tags.get("ss.space", "")), run)
-    except (MlflowException, OSError) as error:
-        store.problems["advice"] = str(error).splitlines()[0]
-        return []
-    found = []
-    for run in newest.values():
-        try:
-            tables = [_read(client, store.folder, run.info.run_id, name) for name in (SUMMARY, PARTS)]
-            found.append((run.data.tags.get("ss.machine", "unknown"), tables[0], tables[1]))
-        except (MlflowException, OSError, ValueError, KeyError) as error:
-            store.problems[run.info.run_id] = f"its tables cannot be read ({str(error).splitlines()[0]})"
-    return found
-
-
-def _read(client: MlflowClient, folder: Path, run_id: str, name: str) -> pd.DataFrame:
-    target = folder / "advice" / run_id
-    target.mkdir(parents=True, exist_ok=True)
-    held = json.loads(Path(client.download_artifacts(run_id, name, str(target))).read_text(encoding="utf-8"))
-    return pd.DataFrame(held["data"], columns=held["columns"])
+    parts = {run.id: table for run, table in store.logged(experiment_id, "advice", PARTS)}
+    newest = {}
+    for run, summary in store.logged(experiment_id, "advice", SUMMARY):
+        if len(summary) and run.id in parts:
+            newest[summary["scene"].iloc[0], summary["space"].iloc[0]] = (run.machine, summary, parts[run.id])
+    return list(newest.values())
 
 
 def _answers(rows: list[dict[str, Any]], machines: str) -> Sheet:

@@ -1,13 +1,9 @@
 """The newest stress run as pages: verdicts by extreme and model, frames until clean, and cubic reprojection's growth."""
 
-import json
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import pandas as pd
-from mlflow import MlflowClient
-from mlflow.exceptions import MlflowException
 
 from supersampling.reporting.runs import Store
 from supersampling.reporting.sheet import Sheet, Style, Text
@@ -24,23 +20,11 @@ GROWTH = {
 
 def sheets(store: Store, experiment_id: str) -> list[Sheet]:
     """Those of the newest finished stress run; none where there is no such run, or its table cannot be read."""
-    client = MlflowClient(store.uri)
-    query = "tags.`ss.kind` = 'stress' and attributes.status = 'FINISHED'"
-    folder = store.folder / "stress"
-    folder.mkdir(parents=True, exist_ok=True)
-    try:
-        found = client.search_runs(
-            [experiment_id], query, order_by=["attributes.end_time DESC"], max_results=1
-        )
-        if not found:
-            return []
-        run = found[0]
-        held = json.loads(Path(client.download_artifacts(run.info.run_id, TABLE, str(folder))).read_text())
-        table = pd.DataFrame(held["data"], columns=held["columns"])
-    except (MlflowException, OSError, ValueError, KeyError) as error:
-        store.problems["stress"] = f"{TABLE} cannot be read ({str(error).splitlines()[0]})"
+    found = store.logged(experiment_id, "stress", TABLE)
+    if not found:
         return []
-    return typeset(table, f"Run {run.info.run_id[:12]}; {run.data.tags.get('ss.machine', '')}.")
+    run, table = found[-1]
+    return typeset(table, f"Run {run.id[:12]}; {run.machine}.")
 
 
 def typeset(table: pd.DataFrame, source: str) -> list[Sheet]:
