@@ -1,4 +1,4 @@
-"""Spaces: what is enumerated, what the command line fixes, and that every file of conf/space composes for train.py."""
+"""Spaces: what is enumerated, what the command line fixes, and that every file of conf/among composes for train.py."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from supersampling.advice.space import Space, Switch, merged, read_space
 from supersampling.errors import UserError
 
 ROOT = Path(__file__).resolve().parents[2]
-SPACES = sorted((ROOT / "conf" / "space").glob("*.yaml"))
+SPACES = sorted((ROOT / "conf" / "among").glob("*.yaml"))
 MADE = Space(
     "made",
     ("model=m", "loss=l1"),

@@ -4,14 +4,12 @@ import math
 import re
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.core.global_hydra import GlobalHydra
-from hydra.core.hydra_config import HydraConfig
-from omegaconf import OmegaConf, open_dict
+from omegaconf import OmegaConf
 
 from supersampling.errors import UserError
 from supersampling.profiling import benchmark_command
@@ -31,20 +29,9 @@ CASE = Case("bicubic", BICUBIC, 4, "thesis", (1920, 1080), "eager", {}, "float32
 
 
 @pytest.fixture
-def inside():
+def inside(entry):
     """As within the entry point: ``inside("methods=[tus]")`` is its configuration, and Hydra composes more."""
-    GlobalHydra.instance().clear()
-    with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-
-        def make(*overrides):
-            cfg = compose("benchmark", list(overrides), return_hydra_config=True)
-            HydraConfig.instance().set_config(cfg)
-            with open_dict(cfg):
-                del cfg["hydra"]
-            return cfg
-
-        yield make
-    HydraConfig.instance().cfg = None
+    return partial(entry, "benchmark")
 
 
 @pytest.fixture(scope="module")

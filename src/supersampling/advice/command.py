@@ -21,7 +21,7 @@ from supersampling.training.job import data_files, experiment_of
 
 # What is this command's own; all else that is set holds for the trainings.
 _OWN = (
-    "margin", "rungs", "seeds", "steps", "search", "trials", "walk", "prune", "size", "frames", "render_costs", "out", "space",
+    "margin", "rungs", "seeds", "steps", "search", "trials", "walk", "prune", "size", "frames", "render_costs", "out", "among",
     "hydra", "seed",
 )  # fmt: skip
 

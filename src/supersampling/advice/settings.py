@@ -52,9 +52,9 @@ def settings_of(cfg: DictConfig) -> Settings:
         seeds *= len(epochs)
     if len(seeds) != len(epochs):
         raise UserError(f"seeds={list(seeds)} are not one for each of rungs={list(epochs)}: give as many.")
-    if OmegaConf.select(cfg, "space") is None:
+    if OmegaConf.select(cfg, "among") is None:
         raise UserError(
-            "This model has no space of its own: set space=dlctus, nsrr, nsrd, enss or models, or write one into conf/space/."
+            "This model has no space of its own: set among=dlctus, nsrr, nsrd, enss or models, or write one into conf/among/."
         )
     size = _whole(cfg, "size")
     if len(size) != 2 or max(size) > 2**15:
@@ -62,7 +62,7 @@ def settings_of(cfg: DictConfig) -> Settings:
             f"size={list(size)} is not possible: use [width,height] of the low-resolution input in pixels."
         )
     return Settings(
-        read_space(OmegaConf.to_container(cfg.space, resolve=True)),
+        read_space(OmegaConf.to_container(cfg.among, resolve=True)),
         float(margin),
         Rungs(epochs, seeds),
         None if cfg.steps is None else _count(cfg, "steps"),

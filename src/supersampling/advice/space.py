@@ -103,7 +103,7 @@ def merged(overrides: Sequence[str]) -> list[str]:
 
 
 def read_space(data: Any) -> Space:
-    """The space that a file of ``conf/space`` declares.
+    """The space that a file of ``conf/among`` declares.
 
     Raises:
         UserError: a key is missing, or an option is no list of overrides.
@@ -126,7 +126,7 @@ def read_space(data: Any) -> Space:
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise UserError(
             f"The space does not read ({type(error).__name__}: {error}): give it name, recipe and switches, as in "
-            "conf/space/dlctus.yaml."
+            "conf/among/dlctus.yaml."
         ) from error
     if not switches or not all(switch.options for switch in switches):
         raise UserError(f"The space {name} has a switch without options: give each one at least.")

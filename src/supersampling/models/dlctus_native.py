@@ -30,6 +30,8 @@ class DLCTUSNative(Upsampler[Tensor]):
     only those are used that meet a sample, and the residual blocks' convolutions are Winograd's with bias, ReLU, sum and the
     borders' repetition inside. The state ``(1, 4, H, W)`` and the output lie channels last in memory.
 
+    A state that is not finite is dropped as a whole, where the plain form gives up its broken pixels alone.
+
     Args:
         model: what is copied.
 
@@ -80,7 +82,8 @@ class DLCTUSNative(Upsampler[Tensor]):
             self.a,
         )
         if state is not None:
-            state = state.contiguous(memory_format=torch.channels_last)
+            # A history that is not finite somewhere is begun anew: the passes carry it on as it is.
+            state = state.contiguous(memory_format=torch.channels_last) if state.sum().isfinite() else None
         blocks = native.prepare(inputs, state)
         x = native.linear(blocks, self._weights(frame.jitter), self.bias[0])
         inner = torch.empty_like(x)
