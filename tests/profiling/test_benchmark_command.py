@@ -4,12 +4,14 @@ import math
 import re
 import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 
 import pandas as pd
 import pytest
-from omegaconf import OmegaConf
+from hydra import compose, initialize_config_dir
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
+from omegaconf import OmegaConf, open_dict
 
 from supersampling.errors import UserError
 from supersampling.profiling import benchmark_command
@@ -29,9 +31,20 @@ CASE = Case("bicubic", BICUBIC, 4, "thesis", (1920, 1080), "eager", {}, "float32
 
 
 @pytest.fixture
-def inside(entry):
+def inside():
     """As within the entry point: ``inside("methods=[tus]")`` is its configuration, and Hydra composes more."""
-    return partial(entry, "benchmark")
+    GlobalHydra.instance().clear()
+    with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
+
+        def make(*overrides):
+            cfg = compose("benchmark", list(overrides), return_hydra_config=True)
+            HydraConfig.instance().set_config(cfg)
+            with open_dict(cfg):
+                del cfg["hydra"]
+            return cfg
+
+        yield make
+    HydraConfig.instance().cfg = None
 
 
 @pytest.fixture(scope="module")
