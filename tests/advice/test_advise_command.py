@@ -142,6 +142,7 @@ def test_a_scene_that_there_is_not(advise: Run) -> None:
     assert isinstance(caught.value, UserError) or isinstance(caught.value.__cause__, UserError)
 
 
+@pytest.mark.slow
 def test_optuna_proposes_and_goes_on(advise: Run, data: list[str], folder: Path) -> None:
     pytest.importorskip("optuna")
     import optuna

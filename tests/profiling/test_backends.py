@@ -37,7 +37,7 @@ def images(stream, frames):
     return torch.stack([stream.image(stream.step(stream.prepare(frame))) for frame in frames])
 
 
-@pytest.fixture(scope="module", params=["dlctus", "enss_s"])
+@pytest.fixture(scope="module", params=["dlctus", pytest.param("enss_s", marks=pytest.mark.slow)])
 def method(request):
     """A configuration, frames, and the images that the method makes of them when it is called as models are."""
     from hydra import compose, initialize_config_dir

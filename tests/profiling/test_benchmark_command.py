@@ -148,6 +148,7 @@ def test_a_scale_of_a_run_that_the_size_does_not_fit(inside):
     assert "no multiple of its scale, 7" in benchmark_command._why(case, None, None)
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path):
     """Two methods and two backends, one of which is not there; the tables are in MLflow, and the parts add up."""
     given = [

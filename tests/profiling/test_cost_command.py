@@ -29,6 +29,7 @@ def trained(make_file, entry, tmp_path):
     return settings, run
 
 
+@pytest.mark.slow
 def test_what_bfloat16_changes_is_taken_against_the_trained_weights(trained, entry):
     settings, run = trained
     cfg = entry(
