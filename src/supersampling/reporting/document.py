@@ -27,8 +27,8 @@ def write_report(cfg: DictConfig) -> list[Path]:
 
     Returns the PDFs' paths and prints what was written. Nothing is written unless all of it was made.
     """
-    papers = load_papers(Path(cfg.published), _text(cfg.paper))
     known = load_papers(Path(cfg.published), None)
+    papers = known if cfg.paper is None else load_papers(Path(cfg.published), str(cfg.paper))
     template = Path(cfg.templates) / TEMPLATE
     if not template.is_file():
         raise UserError(
