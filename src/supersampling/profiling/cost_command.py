@@ -13,7 +13,7 @@ from supersampling.models.base import Upsampler
 from supersampling.profiling import costs
 from supersampling.profiling.backends import Backend
 from supersampling.profiling.drift import calibration, changes
-from supersampling.profiling.methods import ALL, Subject, finished_jobs, of_run
+from supersampling.profiling.methods import Subject, runs_of
 from supersampling.render.jitter import jitter_sequence
 from supersampling.training.job import is_learned
 from supersampling.training.method import method_of
@@ -29,21 +29,11 @@ def cost_command(cfg: DictConfig, experiment: Experiment, made: Mapping[str, Bac
     Raises:
         UserError: the data are of another scale than a run, or its weights are gone.
     """
-    tables = [_of_run(cfg.copy(), run_id, subject, made) for run_id, subject in _runs(cfg, experiment)]
+    tables = [_of_run(cfg.copy(), run_id, subject, made) for run_id, subject in runs_of(experiment, cfg.run)]
     found = pd.concat([pd.DataFrame(), *tables], ignore_index=True)
     if len(found):
         _show(found)
     return found
-
-
-def _runs(cfg: DictConfig, experiment: Experiment) -> Iterable[tuple[str, Subject]]:
-    """The asked one, or of all the first of every architecture."""
-    if cfg.run != ALL:
-        return [(cfg.run, of_run(experiment, cfg.run)[0])]
-    first: dict[str, tuple[str, Subject]] = {}
-    for run_id, subject in finished_jobs(experiment):
-        first.setdefault(subject.architecture, (run_id, subject))
-    return first.values()
 
 
 def _of_run(cfg: DictConfig, run_id: str, subject: Subject, made: Mapping[str, Backend]) -> pd.DataFrame:

@@ -76,29 +76,41 @@ def of_run(experiment: Experiment, run_id: str) -> list[Subject]:
     Raises:
         UserError: there is no such run, or it has no configuration.
     """
+    return [subject for _, subject in runs_of(experiment, run_id)]
+
+
+def runs_of(experiment: Experiment, run_id: str) -> list[tuple[str, Subject]]:
+    """As `of_run`, each with its run: of ``all`` the newest of every architecture.
+
+    Raises:
+        UserError: there is no such run, or it has no configuration.
+    """
     if run_id == ALL:
-        found = {s.architecture: s for _, s in finished_jobs(experiment)}
+        found: dict[str, tuple[str, Subject]] = {}
+        for run, subject in finished_jobs(experiment):
+            found.setdefault(subject.architecture, (run, subject))
         if not found:
             raise UserError(f"run={ALL}: {experiment.tracking_uri} has no finished run: train first.")
         return list(found.values())
     try:
-        subject = _of(experiment, experiment.client.get_run(run_id))
+        chosen = _of(experiment, experiment.client.get_run(run_id))
     except MlflowException as error:
         raise UserError(
             f"There is no run {run_id} at {experiment.tracking_uri}: see the ids in the MLflow UI."
         ) from error
-    if subject is None:
+    if chosen is None:
         raise UserError(f"Run {run_id} has no config.yaml of a method: give one of train.py's.")
-    return [subject]
+    return [(run_id, chosen)]
 
 
 def finished_jobs(experiment: Experiment) -> Iterator[tuple[str, Subject]]:
-    """The id and the method of every finished job that has a configuration."""
+    """The id and the method of every finished job that has a configuration, the newest first."""
     token = None
     while True:
         page = experiment.client.search_runs(
-            [experiment.id], "tags.`ss.kind` = 'job' and attributes.status = 'FINISHED'", page_token=token
-        )
+            [experiment.id], "tags.`ss.kind` = 'job' and attributes.status = 'FINISHED'",
+            order_by=["attributes.start_time DESC"], page_token=token,
+        )  # fmt: skip
         for run in page:
             subject = _of(experiment, run)
             if subject is not None:

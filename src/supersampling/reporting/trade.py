@@ -58,8 +58,7 @@ def read(store: Store, experiment: Experiment, methods: Sequence[Method], clips:
         _joined([table for _, table in store.logged(experiment.id, "benchmark", name)], known)
         for name in (STAGES, drift.TABLE)
     )
-    newest = {(c.architecture, c.backend, c.precision, c.machine): c for c in drift.changes(precision)}
-    changes = list(newest.values())
+    changes = drift.changes(_newest(precision, drift.KEYS))
     found = front.candidates(methods, ours, known, clips, drift.costs(changes))
     return Trade(found, ours, stages, changes, clips)
 
@@ -67,8 +66,15 @@ def read(store: Store, experiment: Experiment, methods: Sequence[Method], clips:
 def _joined(tables: Sequence[pd.DataFrame], known: Mapping[str, str]) -> pd.DataFrame:
     if not tables:
         return pd.DataFrame(columns=drift.KEYS)
-    every = pd.concat(tables, ignore_index=True)
+    every = pd.concat([table.assign(order=k) for k, table in enumerate(tables)], ignore_index=True)
     return every[every["architecture"].isin(set(known.values()))]
+
+
+def _newest(rows: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """Of several tables that hold the same ``keys``, the last one's rows."""
+    if rows.empty:
+        return rows
+    return rows[rows["order"] == rows.groupby(keys)["order"].transform("max")]
 
 
 def sheets(trade: Trade) -> list[Sheet]:
