@@ -120,6 +120,15 @@ def test_those_that_are_loaded_keep_the_memory_that_they_run_in(monkeypatch):
     assert factory.limits == {"a": spare, "b": spare - 5 * 10**9}
 
 
+def test_nothing_is_loaded_where_hardly_any_memory_is_left(monkeypatch):
+    free = iter([20 * 10**9, interleave.SPARE + 5 * 10**9 + interleave.LEAST - 1, 20 * 10**9])
+    monkeypatch.setattr(memory, "available", lambda: next(free))
+    factory = Factory()
+    a, b = run([case("a"), case("b")], factory, rounds=2)
+    assert "".join(factory.asked) == "aabb"
+    assert (a.why, b.why) == ("", "")
+
+
 @pytest.mark.parametrize("precisions", [("float32",), ("float32", "bfloat16")])
 def test_a_ceiling_for_each_precision(precisions):
     made = []

@@ -11,6 +11,7 @@ from supersampling.profiling.parts import Part
 from supersampling.profiling.worker import Case, Ceilings, Failed, Held, Worker
 
 SPARE = 2**30  # bytes of memory that are left to the rest of the machine
+LEAST = 2**30  # bytes below which no further case is begun
 CEILING_RUNS = 3  # a round
 
 
@@ -95,12 +96,16 @@ class _Batch:
         later: list[Outcome] = []
         for outcome in waiting:
             case = outcome.case
+            allowed = self._allowed(case)
+            if self._live and allowed is not None and allowed < LEAST:
+                later.append(outcome)
+                continue
             self._say(f"  {_name(case)}: loading")
             try:
                 if case.precision not in self._ceilings:
                     worker = self._start(case.threads, None, Ceilings, case.device, case.precision)
                     self._ceilings[case.precision] = worker
-                worker = self._start(case.threads, self._allowed(case), Held, case)
+                worker = self._start(case.threads, allowed, Held, case)
                 self._live.append((outcome, worker))
                 self._transient = max(self._transient, worker.ask("transient"))
             except Failed as error:

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 import torch
-from hydra.utils import instantiate
+from hydra.utils import get_class, instantiate
 
 from supersampling.entry import find_user_error
 from supersampling.models.base import Upsampler
@@ -30,7 +30,7 @@ LONGEST_REASON = 200  # characters
 GRACE = 10  # seconds that a worker has to end by itself
 _NO_MEMORY = (
     "memoryerror", "not enough memory", "can't allocate", "cannot allocate", "out of memory", "bad_alloc", "failed to allocate",
-    "memory exhausted", "can't start new thread",
+    "memory exhausted", "can't start new thread", "failed to map segment",
 )  # fmt: skip
 
 
@@ -91,6 +91,12 @@ class Held:
         gc.collect()
         memory.forget_peak(self._device)
 
+    @staticmethod
+    def import_first(case: Case) -> None:
+        """Libraries that lack memory while they load may wait for ever (OpenBLAS does): load them before there is a limit."""
+        for target in (case.model["_target_"], case.backend["_target_"]):
+            get_class(target)
+
     def time(self, frames: int, seconds: float) -> list[float]:
         return self._streaming.time(frames, seconds)
 
@@ -124,15 +130,16 @@ class Ceilings:
         return ceiling.measure(self._device, self._type, times)
 
 
-def serve(pipe: Connection, threads: int, limit: int | None, make: type, arguments: tuple[Any, ...]) -> None:
+def serve(pipe: Connection, threads: int, limit: int | None, make: Any, arguments: tuple[Any, ...]) -> None:
     """A worker's life: make what it holds, then call its methods as they are asked for."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the one who asks ends it
     pin(threads)
     torch.backends.cudnn.allow_tf32 = False  # float32 is float32
     torch.backends.cudnn.benchmark = True  # sizes stay
-    if limit is not None:
-        memory.allow(limit)
     try:
+        if limit is not None:
+            make.import_first(*arguments)
+            memory.allow(limit)
         held = make(*arguments)
         pipe.send((True, None))
         while (asked := pipe.recv()) is not None:
