@@ -28,6 +28,7 @@ from torch.utils._python_dispatch import TorchDispatchMode
 from supersampling.models.base import Upsampler
 from supersampling.models.dlctus import DLCTUS
 from supersampling.models.dlctus_native import DLCTUSNative
+from supersampling.profiling.ceiling import Kernels
 from supersampling.profiling.count import random_frame
 from supersampling.resolvers import register
 
@@ -39,7 +40,6 @@ DEFAULTS = {
     "model": MODELS, "threads": "2", "repeats": "5", "size": "1920x1080", "scale": "4", "clock": "wall", "layout": "contiguous",
 }  # fmt: skip
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
-PRODUCT = 1024  # side of the matrices
 
 Call = tuple[Any, ...]
 
@@ -161,8 +161,8 @@ def main() -> None:
     asked = DEFAULTS | dict(word.split("=", 1) for word in sys.argv[1:])
     torch.set_num_threads(int(asked["threads"]))
     clock = CLOCKS[asked["clock"]]
-    a, b = torch.rand(2, PRODUCT, PRODUCT)
-    rate = PRODUCT**3 / fastest(lambda: a @ b, clock, 20)
+    kernels = Kernels(torch.device("cpu"), torch.float32)
+    rate = kernels.macs / min(fastest(product, clock, 20) for product in kernels.products)
     said = (
         f"{asked['size']} at {asked['scale']}x{asked['scale']}, {asked['threads']} threads, {asked['layout']}"
     )

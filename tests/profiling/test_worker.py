@@ -1,6 +1,7 @@
 """Processes that hold what is asked of them, and whose end is no end of the one who asks."""
 
 import os
+import platform
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from supersampling.errors import UserError
 from supersampling.profiling import ceiling, memory, precision
 from supersampling.profiling.worker import Failed, Worker
 
+CPU = torch.device("cpu")
 SCORE = Path("/proc/self/oom_score_adj")
 
 
@@ -31,6 +33,13 @@ class Adds:
 
     def hog(self, size):
         return float(np.ones(size, dtype=np.uint8)[-1])
+
+    def kept(self):
+        """How much of a large buffer the process still holds once it is freed."""
+        before = memory.held(CPU)
+        big = np.ones(2**27, dtype=np.uint8)
+        del big
+        return memory.held(CPU) - before
 
     def score(self):
         return int(SCORE.read_text())
@@ -82,6 +91,15 @@ def test_a_machine_out_of_memory_ends_the_worker_first():
         worker.close()
 
 
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another libc's allocator")
+def test_it_keeps_the_memory_of_large_buffers():
+    worker = Worker(1, None, Adds, 0)
+    try:
+        assert worker.ask("kept") > 2**26
+    finally:
+        worker.close()
+
+
 def test_what_cannot_be_made():
     with pytest.raises(Failed, match=r"^ValueError: not this$"):
         Worker(1, None, Never)
@@ -103,11 +121,33 @@ def test_ceilings_are_the_clock_s(monkeypatch):
     """A product of n x n matrices has n^3 multiply-accumulates; a copy reads and writes each byte. The fastest run counts."""
     monkeypatch.setitem(ceiling.SIDE, "cpu", 20)
     monkeypatch.setitem(ceiling.COPIED, "cpu", 4000)
-    lengths = (3.0, 2.0, 5.0, 0.5, 0.25, 4.0)
+    lengths = (
+        3.0,
+        2.0,
+        5.0,
+        4.0,
+        6.0,
+        1.0,
+        0.5,
+        0.25,
+        4.0,
+    )  # three of the product, of the convolution, of the copy
     readings = iter([value for k, length in enumerate(lengths) for value in (10.0 * k, 10.0 * k + length)])
     monkeypatch.setattr(ceiling.time, "perf_counter", lambda: next(readings))
     found = ceiling.measure(torch.device("cpu"), torch.float32, 3)
-    assert (found.macs, found.bytes) == (20**3 / 2.0, 8000 / 0.25)
+    assert (found.macs, found.bytes) == (20**3 / 1.0, 8000 / 0.25)
+
+
+def test_the_convolution_is_the_product(monkeypatch):
+    """Both give the same numbers, so that both take the same multiply-accumulates."""
+    monkeypatch.setitem(ceiling.SIDE, "cpu", 20)
+    product, convolution = ceiling.Kernels(torch.device("cpu"), torch.float32).products
+    transposed = convolution()[0, :, 0, :]  # b @ a
+    assert transposed.shape == product().shape
+    torch.manual_seed(0)
+    a, b = torch.randn(20, 20), torch.randn(20, 20)
+    assert torch.allclose(ceiling._product(a, b)(), a @ b, atol=1e-5)
+    assert torch.allclose(ceiling._convolution(b, a)()[0, :, 0, :], a @ b, atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -134,6 +134,7 @@ def serve(pipe: Connection, threads: int, limit: int | None, make: Any, argument
     """A worker's life: make what it holds, then call its methods as they are asked for."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the one who asks ends it
     pin(threads)
+    memory.keep()
     torch.backends.cudnn.allow_tf32 = False  # float32 is float32
     torch.backends.cudnn.benchmark = True  # sizes stay
     try:
