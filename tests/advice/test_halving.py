@@ -162,3 +162,17 @@ def test_an_inferior_answer_is_as_rare_as_the_interval_says() -> None:
         values = {c: world.score(c, 0) for c in range(2)}
         wrong += decide(values, world.terms()).chosen == 1 and values[0].mean() > values[1].mean()
     assert wrong <= 400 * 0.05
+
+
+def test_of_equal_times_the_plainest_is_the_answer() -> None:
+    """Quartiles that overlap are no difference; the second is plainer, the third is dearer by more than noise."""
+    rng = np.random.default_rng(1)
+    clips = rng.normal(30, 1, CLIPS)
+    values = {c: (clips + 0.001 * c)[None] for c in range(3)}
+    spread = [(9.0, 11.0), (9.5, 12.0), (13.0, 14.0)]
+    terms = Terms([10.0, 10.5, 13.5], MARGIN, SCENES, lambda r: 9, spread, [2, 1, 0])
+    assert decide(values, terms).chosen == 1
+    apart = Terms(
+        [10.0, 11.5, 13.5], MARGIN, SCENES, lambda r: 9, [(9.0, 11.0), (11.1, 12.0), (13.0, 14.0)], [2, 1, 0]
+    )
+    assert decide(values, apart).chosen == 0

@@ -44,8 +44,8 @@ class Search:
 
 @dataclass(frozen=True)
 class Answer:
-    """``chosen`` is the cheapest candidate whose loss against ``best`` lies within the margin by its interval's end; ``open`` are
-    the cheaper ones of which the interval says neither."""
+    """``chosen`` is the cheapest candidate whose loss against ``best`` lies within the margin by its interval's end; of several
+    that cost the same, the one of fewest parts. ``open`` are the cheaper ones of which the interval says neither."""
 
     best: int
     chosen: int
@@ -56,12 +56,21 @@ class Answer:
 @dataclass(frozen=True)
 class Terms:
     """What a search is made by: each candidate's ``cost``, the ``margin`` in dB, the clips' scenes, and ``room(rung)``: how many
-    trainings of a rung can be afforded."""
+    trainings of a rung can be afforded. Costs are the same where their ``spread`` (quartiles) overlaps; ``parts`` is how much a
+    candidate has beyond the plainest."""
 
     cost: Sequence[float]
     margin: float
     scenes: Sequence[str]
     room: Callable[[int], int]
+    spread: Sequence[tuple[float, float]] = ()
+    parts: Sequence[int] = ()
+
+    def cheaper(self, one: int, other: int) -> bool:
+        """Whether ``one`` costs less by more than the noise of both."""
+        if not self.spread:
+            return self.cost[one] < self.cost[other]
+        return self.spread[one][1] < self.spread[other][0]
 
 
 def loss_of(best: int, other: int, values: dict[int, Values], scenes: Sequence[str]) -> Estimate:
@@ -130,12 +139,12 @@ def decide(values: dict[int, Values], terms: Terms) -> Answer:
     best = max(values, key=lambda c: float(values[c].mean()))
     losses = {c: loss_of(best, c, values, terms.scenes) for c in values}
     fit = [c for c, loss in losses.items() if loss.high <= terms.margin]
-    chosen = min(fit, key=lambda c: (terms.cost[c], losses[c].mean))
+    cheapest = min(fit, key=lambda c: terms.cost[c])
+    alike = [c for c in fit if not terms.cheaper(cheapest, c)]
+    chosen = min(alike, key=lambda c: (terms.parts[c] if terms.parts else 0, terms.cost[c], losses[c].mean))
     open_ = [
         c
         for c, loss in losses.items()
-        if terms.cost[c] < terms.cost[chosen]
-        and not loss.high <= terms.margin
-        and not loss.low > terms.margin
+        if terms.cheaper(c, chosen) and not loss.high <= terms.margin and not loss.low > terms.margin
     ]
     return Answer(best, chosen, losses, sorted(open_, key=lambda c: terms.cost[c]))

@@ -64,7 +64,12 @@ def search(question: Question) -> Found:
     _check_steps(settings, trainings)
     places: list[str] = []  # each clip's scene, known with the first scores
     terms = Terms(
-        [c.ms for c in costs], settings.margin, places, lambda rung: _room(settings, trainings, rung)
+        [c.ms for c in costs],
+        settings.margin,
+        places,
+        lambda rung: _room(settings, trainings, rung),
+        [(c.low, c.high) for c in costs],
+        [space.parts(c.options) for c in compositions],
     )
 
     def score(candidate: int, rung: int) -> Values | None:

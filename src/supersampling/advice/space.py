@@ -75,6 +75,10 @@ class Space:
         own = [o for switch in self.switches for o in switch.options[options[switch.name]]]
         return Composition(dict(options), tuple(merged([*self.recipe, *own])))
 
+    def parts(self, options: Mapping[str, str]) -> int:
+        """How many options these lie above the plainest of each switch, in all."""
+        return sum(len(s.options) - 1 - list(s.options).index(options[s.name]) for s in self.switches)
+
     def fixed(self, overrides: Sequence[str]) -> "Space":
         """Without the switches that ``overrides`` set, which join the recipe."""
         given = {key_of(override) for override in overrides}
