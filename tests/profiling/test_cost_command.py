@@ -69,6 +69,7 @@ def test_native_gives_dlctus_s_images(entry):
     model = instantiate(entry("benchmark", "model=dlctus").model).eval()
     setting = Setting(16, 12, "float32", torch.device("cpu"), 1)
     native, eager = (backend.load(model, setting) for backend in (Native(), Eager()))
+    assert native.model is None  # it has no parts
     for frame in random_frames(model, (16, 12), 5, None):
         ours, theirs = (stream.image(stream.step(stream.prepare(frame))) for stream in (native, eager))
         assert (ours - theirs).abs().max() < 2e-4

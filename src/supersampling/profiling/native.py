@@ -25,4 +25,6 @@ class Native(Backend):
     def load(self, model: Upsampler, setting: Setting) -> Stream:
         if not isinstance(model, DLCTUS):
             raise UserError(f"The native backend has DLCTUS alone, not {type(model).__name__}.")
-        return TorchStream(DLCTUSNative(model), setting, torch.contiguous_format)
+        stream = TorchStream(DLCTUSNative(model), setting, torch.contiguous_format)
+        stream.model = None  # passes in C++ are no parts that could be timed
+        return stream
