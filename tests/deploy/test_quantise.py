@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 import torch.nn.functional as F
+from signal_stack import signal_stack_is_there
 from torch import nn
 
 from supersampling.deploy import quantise
@@ -14,7 +15,7 @@ from supersampling.deploy.check import arrays, random_frames
 from supersampling.deploy.describe import describe
 from supersampling.deploy.graph import export
 from supersampling.deploy.runner import Runner, sidecar
-from supersampling.deploy.runtimes import OpenVINO
+from supersampling.deploy.runtimes import OpenVINO, openvino_core
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
@@ -90,9 +91,7 @@ def test_frames_are_what_a_rollout_gives(model, path):
 
 
 def test_convolutions_of_fixed_weights_alone_are_quantised(quantised):
-    import openvino
-
-    ops = openvino.Core().read_model(quantised).get_ops()
+    ops = openvino_core().read_model(quantised).get_ops()
     fed = [
         (op.get_type_name(), op.input_value(0).get_node().get_type_name())
         for op in ops
@@ -102,6 +101,10 @@ def test_convolutions_of_fixed_weights_alone_are_quantised(quantised):
     assert len(fed) == 4
     assert sorted(fed)[3][0] == "GroupConvolution"
     assert sorted(fed)[3][1] != "FakeQuantize"
+
+
+def test_signals_still_have_a_stack(quantised):
+    assert signal_stack_is_there()
 
 
 def test_it_runs_near_pytorch_with_its_own_state(model, quantised):

@@ -18,7 +18,7 @@ from torch import Tensor
 
 from supersampling.deploy.check import arrays
 from supersampling.deploy.runner import Runner, sidecar
-from supersampling.deploy.runtimes import OpenVINO
+from supersampling.deploy.runtimes import OpenVINO, openvino_core
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS, Frame
 
@@ -101,7 +101,7 @@ def quantise(path: Path, clips: Iterable[Iterable[Frame]]) -> Path:
             "int8 needs frames to calibrate on: name training or validation clips of two frames or more."
         )
     description: dict[str, Any] = json.loads(sidecar(path).read_text())
-    model = openvino.Core().read_model(path.parent / description["graphs"]["next"])
+    model = openvino_core().read_model(path.parent / description["graphs"]["next"])
     others = _left_in_float(model)
     logging.getLogger("nncf").setLevel(logging.ERROR)
     model = nncf.quantize(
