@@ -85,6 +85,8 @@ class Held:
         setting = Setting(*case.low, case.precision, self._device, case.threads, jitters)
         frames = distinct_frames(model, *case.low, jitters, cache_size())
         self._stream = backend.load(model, setting)
+        if isinstance(self._stream, TorchStream):  # runtimes see to it themselves
+            memory.keep()
         self._streaming = Streaming(self._stream, frames, self._device)
         del model, frames
         self._streaming.warm_up()
@@ -134,7 +136,6 @@ def serve(pipe: Connection, threads: int, limit: int | None, make: Any, argument
     """A worker's life: make what it holds, then call its methods as they are asked for."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the one who asks ends it
     pin(threads)
-    memory.keep()
     torch.backends.cudnn.allow_tf32 = False  # float32 is float32
     torch.backends.cudnn.benchmark = True  # sizes stay
     try:
