@@ -52,6 +52,16 @@ def test_verdicts_are_symbols_with_words(table):
     assert [cell.style for cell in row[2:4]] == ["plain", "no"]
 
 
+def test_a_head_is_a_model_s_file_and_its_stages_are_a_note(table):
+    wide = table.assign(model=table["model"].replace({"nsrd": "enss_s model.width=16"}))
+    first, recovery, _ = typeset(wide, "run")
+    assert first.headers == ["extreme", "tus", "enss_s"]
+    assert "enss_s: model.width=16." in first.notes
+    assert texts(recovery)["state NaN"][1] == ("✗ never", "no")
+    two = table.assign(model=table["model"].replace({"nsrd": "tus model.alpha=1"}))
+    assert typeset(two, "run")[0].headers == ["extreme", "tus", "tus model.alpha=1"]
+
+
 def test_a_long_table_goes_on_over_sheets(table):
     many = pd.concat([table.iloc[:1].assign(extreme=f"motion/{k}") for k in range(80)])
     made = typeset(many, "run")

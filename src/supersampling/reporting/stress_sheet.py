@@ -40,11 +40,13 @@ def typeset(table: pd.DataFrame, source: str) -> list[Sheet]:
 
 def _verdicts(table: pd.DataFrame, source: str) -> list[Sheet]:
     models = list(dict.fromkeys(table["model"]))
+    heads, composed = _heads(models)
     groups = list(dict.fromkeys(map(_group, table["extreme"])))
     extremes = sorted(dict.fromkeys(table["extreme"]), key=lambda name: groups.index(_group(name)))
     notes = [
         "✓ holds: finite, and within the stated tolerance of the same model in float64, in every precision that was tried; its "
         "gradients are finite, too. ✗ fails in the precisions named. – not tried. Empty: the model has nothing of the kind.",
+        *composed,
         source,
     ]
     by = dict(list(table.groupby(["extreme", "model"])))
@@ -61,7 +63,7 @@ def _verdicts(table: pd.DataFrame, source: str) -> list[Sheet]:
                 f"stress_{k + 1}",
                 f"Every model at the extremes{part}.",
                 [],
-                ["extreme", *models],
+                ["extreme", *heads],
                 [rows[at] for at in page],
                 1,
                 notes if k == len(pages) - 1 else [],
@@ -69,6 +71,14 @@ def _verdicts(table: pd.DataFrame, source: str) -> list[Sheet]:
             )
         )
     return made
+
+
+def _heads(models: Sequence[str]) -> tuple[list[str], list[str]]:
+    """A model's file for a column's head where that says which it is; what else it was composed of is a note."""
+    files = [model.partition(" ")[0] for model in models]
+    heads = [file if files.count(file) == 1 else model for file, model in zip(files, models)]
+    more = [f"{head}: {model.partition(' ')[2]}." for head, model in zip(heads, models) if head != model]
+    return heads, [" ".join(more)] if more else []
 
 
 def _group(extreme: str) -> str:
@@ -93,6 +103,7 @@ def _number(value: object) -> float:
 
 def _recovery(table: pd.DataFrame, source: str) -> Sheet:
     faults, models = sorted(set(table["extreme"])), list(dict.fromkeys(table["model"]))
+    heads, composed = _heads(models)
     by = {(row["extreme"], row["model"]): row for _, row in table.iterrows()}
     rows = [
         [Text(fault.partition("/")[2]), *(_frames(by.get((fault, model))) for model in models)]
@@ -101,10 +112,11 @@ def _recovery(table: pd.DataFrame, source: str) -> Sheet:
     notes = [
         "Frames, the bad one among them, until the output is finite and half a step of 8 bits from the undisturbed roll-out, for "
         "good. “finite” where the distance still shrinks at the end: how fast a history is replaced, the model's gates say.",
+        *composed,
         source,
     ]
     return Sheet(
-        "stress_recovery", "Frames until clean after a bad one.", [], ["fault", *models], rows, 1, notes
+        "stress_recovery", "Frames until clean after a bad one.", [], ["fault", *heads], rows, 1, notes
     )
 
 
