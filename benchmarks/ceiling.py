@@ -28,6 +28,7 @@ from torch.utils._python_dispatch import TorchDispatchMode
 from supersampling.models.base import Upsampler
 from supersampling.models.dlctus import DLCTUS
 from supersampling.models.dlctus_native import DLCTUSNative
+from supersampling.profiling import memory
 from supersampling.profiling.ceiling import Kernels
 from supersampling.profiling.count import random_frame
 from supersampling.resolvers import register
@@ -160,6 +161,7 @@ def line(name: str, asked: Mapping[str, str], rate: float) -> None:
 def main() -> None:
     asked = DEFAULTS | dict(word.split("=", 1) for word in sys.argv[1:])
     torch.set_num_threads(int(asked["threads"]))
+    memory.keep()
     clock = CLOCKS[asked["clock"]]
     kernels = Kernels(torch.device("cpu"), torch.float32)
     rate = kernels.macs / min(fastest(product, clock, 20) for product in kernels.products)
