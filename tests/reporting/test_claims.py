@@ -174,6 +174,18 @@ def test_logged_numbers_compare_without_interval() -> None:
     assert judged(claim(metric="run:model/gmac"), runs, {}).verdict == "not run"
 
 
+@pytest.mark.parametrize(("ours", "verdict"), [(79.0, "reproduced"), (81.0, "contradicted")])
+def test_less_by_a_factor_is_held_to_the_factor(ours: float, verdict: str) -> None:
+    runs = [
+        run("late", metrics={"time/onnxruntime/ms": ours}, model__warp_at="target"),
+        run("early", metrics={"time/onnxruntime/ms": 800.0}, model__warp_at="low"),
+    ]
+    found = judged(claim("less", metric="run:time/onnxruntime/ms", times=10), runs, {})
+    assert found.verdict == verdict
+    assert found.effect is not None
+    assert found.effect.mean == ours - 800.0
+
+
 def test_steps_over_the_task_take_a_data_set_each() -> None:
     steps = [Series(f"{n}×{n}", {"task.scale": str(n)}) for n in (2, 4)]
     runs = [

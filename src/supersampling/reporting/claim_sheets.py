@@ -111,6 +111,8 @@ def _metric(claim: Claim) -> str:
     name = claim.metric.removeprefix(RUN_METRIC)
     if claim.margin is not None:
         return f"{name}: |a − b| < {claim.margin:g}"
+    if claim.times != 1.0:
+        return f"{name}: {claim.times:g} a < b"
     return f"{name}: {SIGNS[claim.kind]}"
 
 

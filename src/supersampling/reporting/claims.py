@@ -91,7 +91,10 @@ def judge(chosen: Chosen, tables: ClipTables) -> Judged:
     """
     claim, labels = chosen.claim, list(chosen.runs)
     pairs = list(pairwise(labels))
-    found = [_difference(chosen.runs[later], chosen.runs[earlier], claim, tables) for earlier, later in pairs]
+    found = [
+        _difference(chosen.runs[later], chosen.runs[earlier], claim, tables, claim.times)
+        for earlier, later in pairs
+    ]
     steps = [
         Step(f"{earlier} → {later}", value, side(claim, value))
         for (earlier, later), value in zip(pairs, found)
@@ -134,14 +137,19 @@ def _together(verdicts: Sequence[Verdict]) -> Verdict:
 
 
 def _difference(
-    ours: Sequence[Run], theirs: Sequence[Run], claim: Claim, tables: ClipTables
+    ours: Sequence[Run], theirs: Sequence[Run], claim: Claim, tables: ClipTables, times: float = 1.0
 ) -> Estimate | None:
+    """Ours, of a logged number ``times`` as much, less theirs."""
     if not ours or not theirs:
         return None
     if not claim.metric.startswith(RUN_METRIC):
         return difference(ours, theirs, claim.metric, tables)
     one, other = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (ours, theirs))
-    return None if one is None or other is None else Estimate(one.mean - other.mean, math.nan, math.nan, 0)
+    return (
+        None
+        if one is None or other is None
+        else Estimate(times * one.mean - other.mean, math.nan, math.nan, 0)
+    )
 
 
 def _scenes(chosen: Chosen, tables: ClipTables) -> dict[str, bool]:

@@ -145,6 +145,13 @@ def _check_claim(claim: Claim, paper: Paper, where: str) -> None:
             f"{where}: kind 'same' needs a margin above 0, others have none, got margin {claim.margin} of '{claim.kind}'"
         )
 
+    if claim.times != 1.0 and not (
+        claim.times > 1.0 and claim.kind == "less" and claim.metric.startswith("run:")
+    ):
+        raise UserError(
+            f"{where}: times is a factor above 1 of a logged number that is less, got {claim.times:g} of '{claim.kind}'"
+        )
+
 
 def _build(cls: type[T], raw: Any, where: str) -> T:
     """A dataclass from a mapping, recursively."""

@@ -126,7 +126,7 @@ class Claim:
     """What a paper concludes, as a statement about the paired difference ``a - b``, or about every step of a series.
 
     ``metric`` is a column of the clip tables, or a metric that runs logged with ``run:`` before it. ``published`` is the
-    paper's own difference (of steps: last less first).
+    paper's own difference (of steps: last less first). With ``times``, ``a`` is claimed to be less by that factor.
     """
 
     id: str
@@ -140,6 +140,7 @@ class Claim:
     a: Selection | None = None
     b: Selection | None = None
     margin: float | None = None
+    times: float = 1.0
     steps: list[Series] = field(default_factory=list)
     published: float | None = None
     where: str = ""
