@@ -145,11 +145,9 @@ def _difference(
     if not claim.metric.startswith(RUN_METRIC):
         return difference(ours, theirs, claim.metric, tables)
     one, other = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (ours, theirs))
-    return (
-        None
-        if one is None or other is None
-        else Estimate(times * one.mean - other.mean, math.nan, math.nan, 0)
-    )
+    if one is None or other is None:
+        return None
+    return Estimate(times * one.mean - other.mean, math.nan, math.nan, 0)
 
 
 def _scenes(chosen: Chosen, tables: ClipTables) -> dict[str, bool]:

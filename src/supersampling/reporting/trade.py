@@ -58,7 +58,8 @@ def read(store: Store, experiment: Experiment, methods: Sequence[Method], clips:
         _joined([table for _, table in store.logged(experiment.id, "benchmark", name)], known)
         for name in (STAGES, drift.TABLE)
     )
-    changes = drift.changes(_newest(precision, drift.KEYS))
+    # An architecture is one thing, whatever the runs of it are called.
+    changes = drift.changes(_newest(precision, [key for key in drift.KEYS if key != "method"]))
     found = front.candidates(methods, ours, known, clips, drift.costs(changes))
     return Trade(found, ours, stages, changes, clips)
 
