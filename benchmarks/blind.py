@@ -125,9 +125,7 @@ def moments(clip: Clip, pictures: Pictures) -> Iterator[Moment]:
 
 
 @torch.inference_mode()
-def scores(
-    clip: Clip, pictures: Pictures, metrics: list[Metric], videos: list[VideoMetric]
-) -> dict[str, float]:
+def scores(clip: Clip, pictures: Pictures, metrics: list[Metric], videos: list[VideoMetric]) -> dict[str, float]:
     """Frames' values as means of those that there are."""
     found: dict[str, float] = {}
     for metric in metrics:
@@ -172,9 +170,7 @@ def main(path: str, number: int = 0, frames: int = 16) -> None:
     print("| metric | " + " | ".join(table) + " |\n" + "|---" * (len(table) + 1) + "|")
     for name in table["none"]:
         blind = blind_to(name, {fault: row[name] for fault, row in table.items()})
-        cells = [
-            f"**{row[name]:.3g}**" if fault in blind else f"{row[name]:.3g}" for fault, row in table.items()
-        ]
+        cells = [f"**{row[name]:.3g}**" if fault in blind else f"{row[name]:.3g}" for fault, row in table.items()]
         print(f"| `{name}` | " + " | ".join(cells) + " |", flush=True)
 
 

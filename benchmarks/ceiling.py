@@ -143,9 +143,7 @@ def line(name: str, asked: Mapping[str, str], rate: float) -> None:
     with recorder:
         model(frames[0], state)
     whole, work = min(times), sum(map(macs, calls))
-    found = (
-        f"{name:16s}{1e3 * whole:9.1f} ms (median {1e3 * statistics.median(times):.1f}){work / 1e9:9.2f} GMAC"
-    )
+    found = f"{name:16s}{1e3 * whole:9.1f} ms (median {1e3 * statistics.median(times):.1f}){work / 1e9:9.2f} GMAC"
     if work:
         bound = alone(calls, clock, repeats)
         found += f"   alone {bound / whole:5.2f} ({work / bound / 1e9:.0f} GMAC/s)   product {work / rate / whole:5.2f}"
@@ -165,9 +163,7 @@ def main() -> None:
     clock = CLOCKS[asked["clock"]]
     kernels = Kernels(torch.device("cpu"), torch.float32)
     rate = kernels.macs / min(fastest(product, clock, 20) for product in kernels.products)
-    said = (
-        f"{asked['size']} at {asked['scale']}x{asked['scale']}, {asked['threads']} threads, {asked['layout']}"
-    )
+    said = f"{asked['size']} at {asked['scale']}x{asked['scale']}, {asked['threads']} threads, {asked['layout']}"
     print(f"{said}, {asked['clock']} clock; matrix product {rate / 1e9:.0f} GMAC/s")
     with torch.no_grad():  # in inference mode, a convolution would not be seen for what it is
         for name in asked["model"].split(","):

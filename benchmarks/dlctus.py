@@ -44,9 +44,7 @@ def milliseconds(work: Work) -> float:
     return 1e3 * (time.perf_counter() - start)
 
 
-def pairs(
-    model: DLCTUS, deployed: DLCTUSForInference, frame: Frame, state: Tensor
-) -> dict[str, tuple[Work, Work]]:
+def pairs(model: DLCTUS, deployed: DLCTUSForInference, frame: Frame, state: Tensor) -> dict[str, tuple[Work, Work]]:
     """Parts of one frame in both forms. The reprojection is the same code in both, and is in "whole frame" alone."""
     samples, jitter = model.samples(frame)
     aligned, history = model.prepare(frame, state)
@@ -92,9 +90,7 @@ def pairs(
 
 def report(scale: int, width: int, height: int, repeats: int) -> None:
     torch.manual_seed(0)
-    model = DLCTUS(
-        scale, Bicubic9(), NoDilation(), JitterAligned(), AccumulationBuffer(), Clamp(), Published()
-    )
+    model = DLCTUS(scale, Bicubic9(), NoDilation(), JitterAligned(), AccumulationBuffer(), Clamp(), Published())
     low = (height // scale, width // scale)
     frame = Frame(
         color=torch.rand(1, 3, *low),

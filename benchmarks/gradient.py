@@ -73,9 +73,7 @@ def main(overrides: list[str]) -> None:
     for name, sample in (("PyTorch's", theirs), ("ours", bicubic_grid_sample)):
         derive = partial(torch.autograd.grad, sample(image, grid), image, grad, retain_graph=True)
         with patch.object(interpolate, "bicubic_grid_sample", sample):
-            print(
-                f"{name:10s} gradient {milliseconds(derive):6.2f} ms   training step {milliseconds(step):6.1f} ms"
-            )
+            print(f"{name:10s} gradient {milliseconds(derive):6.2f} ms   training step {milliseconds(step):6.1f} ms")
 
 
 if __name__ == "__main__":

@@ -68,9 +68,7 @@ def clip(frames: int, h: int, w: int) -> list[Frame]:
     y, x = torch.meshgrid(torch.linspace(0, 1, h), torch.linspace(0, 1, w), indexing="ij")
     made = []
     for t in range(frames):
-        motion = torch.stack((0.004 * torch.sin(6 * x + t) + 0.006, 0.005 * torch.cos(5 * y - t) + 0.002))[
-            None
-        ]
+        motion = torch.stack((0.004 * torch.sin(6 * x + t) + 0.006, 0.005 * torch.cos(5 * y - t) + 0.002))[None]
         waves = [torch.sin(k * 40 * (x + 0.006 * t) + 31 * y * (k + 1) + k) for k in range(3)]
         noise = 0.05 * torch.rand(1, 3, h, w, generator=generator)
         color = 0.475 + 0.45 * torch.stack(waves)[None] + noise
@@ -84,9 +82,7 @@ def load(model: DLCTUS) -> MasterNet:
     named = {"down.0": model.network.down}
     for k, block in enumerate(model.network.blocks, 1):
         named |= {f"cnn{k}.{place}": block[place] for place in (0, 2)}  # type: ignore[index]
-    weights = {
-        f"{name}.{key}": value for name, conv in named.items() for key, value in conv.state_dict().items()
-    }
+    weights = {f"{name}.{key}": value for name, conv in named.items() for key, value in conv.state_dict().items()}
     net.load_state_dict(weights | {"zero_up.w": net.zero_up.w})
     return net.eval()
 
@@ -146,9 +142,7 @@ def exported(model: Upsampler, frames: Sequence[Frame], runtime: Runtime, folder
     folder.mkdir()
     graphs.other.save(str(folder / "next.onnx"))
     graphs.first.save(str(folder / "first.onnx"))
-    (folder / "next.json").write_text(
-        json.dumps(describe(model, graphs, ("first.onnx", "next.onnx"), {}, {}))
-    )
+    (folder / "next.json").write_text(json.dumps(describe(model, graphs, ("first.onnx", "next.onnx"), {}, {})))
     runner, given = Runner(folder / "next.onnx", runtime), [arrays(frame) for frame in frames]
     return lambda t, state: (torch.from_numpy(runner(given[t])), None)  # the runner keeps the state
 

@@ -78,9 +78,7 @@ def lightning_loop(cfg: DictConfig, loaders) -> list[float]:
     """Seconds of each whole step of the project's loop on the same batches."""
     L.seed_everything(0, verbose=False)
     model, loss = instantiate(cfg.model), instantiate(cfg.loss)
-    module = Training(
-        model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted
-    )
+    module = Training(model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted)
     times = StepTimes()
     trainer = L.Trainer(
         max_epochs=1, limit_val_batches=0, logger=False, enable_checkpointing=False, callbacks=[times],
@@ -122,9 +120,7 @@ def measure(cfg: DictConfig) -> None:
         loaders.train_dataloader = lambda: DataLoader(alone, batch_size=None)  # type: ignore[method-assign]
         ours += lightning_loop(cfg, loaders)
     overhead = statistics.median(ours) / statistics.median(bare) - 1.0
-    print(
-        f"train.py's loop, the same batches {1e3 * statistics.median(ours):8.1f} ms a step ({100 * overhead:+.1f}%)"
-    )
+    print(f"train.py's loop, the same batches {1e3 * statistics.median(ours):8.1f} ms a step ({100 * overhead:+.1f}%)")
     print(f"python train.py --help            {help_seconds():8.2f} s")
 
 

@@ -46,9 +46,7 @@ def _resident() -> int:
     try:
         import resource
     except ImportError as error:
-        raise UserError(
-            "Peak memory of a process needs Linux or macOS: use a CUDA device, or one of these."
-        ) from error
+        raise UserError("Peak memory of a process needs Linux or macOS: use a CUDA device, or one of these.") from error
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return most if sys.platform == "darwin" else most * 1024
 

@@ -113,15 +113,11 @@ def measure(name: str, width: int, height: int, frames: int, threads: int) -> tu
 
 
 def main(arguments: list[str]) -> None:
-    options = {"size": "1920x1080", "frames": "60", "threads": "2"} | dict(
-        a.split("=") for a in arguments if "=" in a
-    )
+    options = {"size": "1920x1080", "frames": "60", "threads": "2"} | dict(a.split("=") for a in arguments if "=" in a)
     width, height = (int(side) for side in options["size"].split("x"))
     frames, threads = int(options["frames"]), int(options["threads"])
     print(f"{width}x{height}, {frames} frames, {threads} threads\n")
-    print(
-        f"| metric | s | MiB, {frames // 2} frames | MiB, {frames} frames |\n|---|---:|---:|---:|", flush=True
-    )
+    print(f"| metric | s | MiB, {frames // 2} frames | MiB, {frames} frames |\n|---|---:|---:|---:|", flush=True)
     for name in [a for a in arguments if "=" not in a] or METRICS:
         rows = []
         for count in (frames // 2, frames):

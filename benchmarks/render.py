@@ -43,9 +43,7 @@ def measure(name: str) -> None:
         whole, part = Window(1920, 1080, 0, 0, 1920, 1080), Window(1920, 1080, 832, 412, 256, 256)
         products = {
             "64x64 input of a window": lambda k: renderer.low(shot(k, part), 4, (0.1, -0.2), -2.0, USUAL),
-            "64x64 motion alone": lambda k: renderer.low(
-                shot(k, part), 4, (0.1, -0.2), -2.0, frozenset({"motion"})
-            ),
+            "64x64 motion alone": lambda k: renderer.low(shot(k, part), 4, (0.1, -0.2), -2.0, frozenset({"motion"})),
             "256x256 target, 16 samples": lambda k: renderer.target(shot(k, part), 4, 0.0),
             "256x256 target, 64 samples": lambda k: renderer.target(shot(k, part), 8, 0.0),
             "480x270 input": lambda k: renderer.low(shot(k, whole), 4, (0.1, -0.2), -2.0, USUAL),

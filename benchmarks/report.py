@@ -108,9 +108,7 @@ def fabricate(folder: Path, papers: list[Paper], count: int) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("runs", type=int, nargs="?", default=1000)
-    parser.add_argument(
-        "--store", type=Path, help="keep the store in this folder, or measure the one that is there"
-    )
+    parser.add_argument("--store", type=Path, help="keep the store in this folder, or measure the one that is there")
     arguments = parser.parse_args()
     papers = load_papers(ROOT / "reports" / "published", None)
     with tempfile.TemporaryDirectory(prefix="benchmark-") as name:

@@ -51,9 +51,7 @@ def warping_places(model: torch.nn.Module) -> list[tuple[Any, str]]:
     """Where warps and upsampling are called: the stages of a model, and functions wherever they were imported."""
     stages = [(m, "forward") for m in model.modules() if type(m).__module__ in WARPING_STAGES]
     loaded = [m for name, m in sys.modules.items() if name.startswith("supersampling.")]
-    functions = [
-        (m, name) for m in loaded for name, value in vars(m).items() if any(value is w for w in WARPS)
-    ]
+    functions = [(m, name) for m in loaded for name, value in vars(m).items() if any(value is w for w in WARPS)]
     return [*stages, *functions]
 
 

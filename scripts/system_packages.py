@@ -13,9 +13,7 @@ def installed(package: str) -> bool:
 
 def main(packages: list[str]) -> int:
     if shutil.which("dpkg-query") is None:
-        print(
-            f"This is not Debian or Ubuntu: install what it calls {' '.join(packages)} (OpenGL without a screen)."
-        )
+        print(f"This is not Debian or Ubuntu: install what it calls {' '.join(packages)} (OpenGL without a screen).")
         return 0
     missing = [package for package in packages if not installed(package)]
     if not missing:

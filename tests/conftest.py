@@ -31,9 +31,7 @@ def _pinned_threads() -> Iterator[None]:
 def pattern(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     """A colour for every point of the plane (target pixels), in [0, 1]: three plane waves a channel."""
     waves = ((0.31, 0.17, 0.4), (-0.23, 0.37, 1.9), (0.11, -0.29, 3.1))
-    channels = [
-        0.5 + 0.15 * sum(np.sin(a * x * (1 + 0.2 * c) + b * y + p + c) for a, b, p in waves) for c in range(3)
-    ]
+    channels = [0.5 + 0.15 * sum(np.sin(a * x * (1 + 0.2 * c) + b * y + p + c) for a, b, p in waves) for c in range(3)]
     return np.stack(channels, axis=-1)
 
 
@@ -90,10 +88,7 @@ def make_file() -> Callable[..., Path]:
         )
         sequence = jitter_sequence("thesis", scale)
         rng = np.random.default_rng(len(split))
-        made = [
-            analytic_clip(frames, size, size, scale, tuple(rng.uniform(-3, 3, 2)), sequence)
-            for _ in range(clips)
-        ]
+        made = [analytic_clip(frames, size, size, scale, tuple(rng.uniform(-3, 3, 2)), sequence) for _ in range(clips)]
         path = folder / spec.file_name
         parts = [folder / f"{split}_{k}.clip" for k in range(clips)]
         for part, clip in zip(parts, made):

@@ -33,9 +33,7 @@ def test_every_input_is_a_buffer_and_no_reference_is_an_input():
 def test_a_repaired_frame_is_finite_and_keeps_what_was():
     bad = torch.tensor([0.25, torch.nan, torch.inf, -torch.inf]).view(1, 1, 1, 4)
     names = [b.name for b in BUFFERS.values() if b.resolution == "low" and b.name != "jitter"]
-    frame = Frame(
-        **{name: bad.clone() for name in names}, jitter=torch.tensor([[torch.nan, 0.1]]), high_depth=bad
-    )
+    frame = Frame(**{name: bad.clone() for name in names}, jitter=torch.tensor([[torch.nan, 0.1]]), high_depth=bad)
     mended = frame.repaired()
     for name in names:
         values = getattr(mended, name)

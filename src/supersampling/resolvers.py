@@ -27,6 +27,4 @@ def register() -> None:
     OmegaConf.register_new_resolver("installed_scenes", _installed_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("built_in_scenes", _built_in_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("cores", _cores, replace=True)
-    OmegaConf.register_new_resolver(
-        "product", lambda *values: math.prod(int(v) for v in values), replace=True
-    )
+    OmegaConf.register_new_resolver("product", lambda *values: math.prod(int(v) for v in values), replace=True)

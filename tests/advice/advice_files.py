@@ -13,16 +13,12 @@ from supersampling.frames import BUFFERS
 SCALE = 4
 
 
-def write_file(
-    folder: Path, split: str, clips: list[Mapping[str, NDArray[np.float32]]], scene: str = "made"
-) -> Path:
+def write_file(folder: Path, split: str, clips: list[Mapping[str, NDArray[np.float32]]], scene: str = "made") -> Path:
     """A file of clips whose buffers are ``(T, h, w, C)`` each, the high ones 4 times as large."""
     names = list(clips[0])
     frames, height, width = next(c.shape[:3] for n, c in clips[0].items() if BUFFERS[n].resolution == "low")
     size = (width * SCALE, height * SCALE)
-    spec = CaptureSpec(
-        scene, split, len(clips), frames, frames, size, size, SCALE, "thesis", "matched", 1, 0, 1
-    )
+    spec = CaptureSpec(scene, split, len(clips), frames, frames, size, size, SCALE, "thesis", "matched", 1, 0, 1)
     path = folder / spec.file_name
     parts = [folder / f"{split}{k}.clip" for k in range(len(clips))]
     for part, clip in zip(parts, clips):

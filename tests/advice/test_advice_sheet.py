@@ -94,9 +94,7 @@ def test_the_newest_of_each_scene_and_space(store: tuple[Store, str, Log]) -> No
     assert "a machine" in answers.notes[1]
 
 
-def test_a_table_that_cannot_be_read_is_a_problem_of_its_run(
-    store: tuple[Store, str, Log], tmp_path: Path
-) -> None:
+def test_a_table_that_cannot_be_read_is_a_problem_of_its_run(store: tuple[Store, str, Log], tmp_path: Path) -> None:
     files, experiment, log = store
     run = log()
     next((tmp_path / "artifacts").rglob("summary.json")).write_text("{")

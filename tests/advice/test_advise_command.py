@@ -88,9 +88,7 @@ def test_repeated_it_trains_nothing_and_answers_the_same(advise: Run, data: list
     assert len(runs(folder, "job")) == jobs
 
 
-def test_the_answer_is_an_experiment_of_train(
-    advise: Run, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_answer_is_an_experiment_of_train(advise: Run, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is the very training that the last round did, so that train.py finds it; with another seed it trains."""
     out = folder / "outputs" / "advice"
     content = yaml.safe_load((out / "experiment" / "analytic_dlctus.yaml").read_text())
@@ -153,8 +151,7 @@ def test_optuna_proposes_and_goes_on(advise: Run, data: list[str], folder: Path)
     advise("scene=analytic", *data, *SMALL, *more)  # all trials were made
     assert len(runs(folder, "job")) == jobs
     (name,) = {
-        s.study_name
-        for s in optuna.get_all_study_summaries(f"sqlite:///{folder}/optuna/analytic_dlctus.optuna.db")
+        s.study_name for s in optuna.get_all_study_summaries(f"sqlite:///{folder}/optuna/analytic_dlctus.optuna.db")
     }
     study = optuna.load_study(study_name=name, storage=f"sqlite:///{folder}/optuna/analytic_dlctus.optuna.db")
     assert len(study.trials) == 3

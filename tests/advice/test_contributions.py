@@ -21,9 +21,7 @@ TAKES = {"a": {"full": 5.0, "half": 2.0, "none": 0.5}, "b": {"on": 3.0, "off": 1
 def test_what_adds_up_is_taken_apart() -> None:
     made = SPACE.compositions()
     clips = np.array([20.0, 25.0, 31.0, 33.0])
-    values = {
-        (0, k): clips[None] + sum(BRINGS[s][o] for s, o in c.options.items()) for k, c in enumerate(made)
-    }
+    values = {(0, k): clips[None] + sum(BRINGS[s][o] for s, o in c.options.items()) for k, c in enumerate(made)}
     costs = [sum(TAKES[s][o] for s, o in c.options.items()) for c in made]
     found = {(c.switch, c.part): c for c in contributions(SPACE, made, values, costs, ["s"] * 4)}
     assert set(found) == {("a", "full"), ("a", "half"), ("b", "on")}
@@ -42,8 +40,7 @@ def test_a_part_that_depends_on_others_has_a_wide_interval() -> None:
     # b brings 1 dB beside a=full and takes 1 dB beside a=none.
     inter = {"full": 1.0, "half": 0.0, "none": -1.0}
     values = {
-        (0, k): clips[None] + (inter[c.options["a"]] if c.options["b"] == "on" else 0.0)
-        for k, c in enumerate(made)
+        (0, k): clips[None] + (inter[c.options["a"]] if c.options["b"] == "on" else 0.0) for k, c in enumerate(made)
     }
     b = next(c for c in contributions(SPACE, made, values, [1.0] * 6, ["s"] * 4) if c.switch == "b")
     assert b.db.mean == pytest.approx(0.0)
@@ -55,9 +52,7 @@ def test_the_last_round_that_has_a_pair_counts() -> None:
     made = SPACE.compositions()
     clips = np.array([20.0, 25.0])
     values = {(0, k): clips[None] for k in range(len(made))}
-    on, off = (
-        next(k for k, c in enumerate(made) if c.options == {"a": "none", "b": b}) for b in ("on", "off")
-    )
+    on, off = (next(k for k, c in enumerate(made) if c.options == {"a": "none", "b": b}) for b in ("on", "off"))
     values |= {(1, on): clips[None] + 2, (1, off): clips[None]}
     found = {(c.switch, c.part): c for c in latest(contributions(SPACE, made, values, [1.0] * 6, ["s"] * 2))}
     assert (found["b", "on"].rung, found["b", "on"].db.mean) == (1, 2.0)

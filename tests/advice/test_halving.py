@@ -172,7 +172,5 @@ def test_of_equal_times_the_plainest_is_the_answer() -> None:
     spread = [(9.0, 11.0), (9.5, 12.0), (13.0, 14.0)]
     terms = Terms([10.0, 10.5, 13.5], MARGIN, SCENES, lambda r: 9, spread, [2, 1, 0])
     assert decide(values, terms).chosen == 1
-    apart = Terms(
-        [10.0, 11.5, 13.5], MARGIN, SCENES, lambda r: 9, [(9.0, 11.0), (11.1, 12.0), (13.0, 14.0)], [2, 1, 0]
-    )
+    apart = Terms([10.0, 11.5, 13.5], MARGIN, SCENES, lambda r: 9, [(9.0, 11.0), (11.1, 12.0), (13.0, 14.0)], [2, 1, 0])
     assert decide(values, apart).chosen == 0

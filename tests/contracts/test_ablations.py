@@ -42,9 +42,7 @@ def fewer(count):
 def crossed(slot, options, data_sets=DATA_SETS):
     """A DLCTUS table with a column for each option of a stage and a row for each factor and data set."""
     return {
-        f"{option}, {key}": f"model/{slot}={option} {task}"
-        for key, task in data_sets.items()
-        for option in options
+        f"{option}, {key}": f"model/{slot}={option} {task}" for key, task in data_sets.items() for option in options
     }
 
 
@@ -102,11 +100,7 @@ TABLES = {
     # Mercier et al. 2023
     "enss_table2": (
         "experiment=enss",
-        {
-            f"Ours-{size.upper()}, {s}x{s}": f"model=enss_{size} task.scale={s}"
-            for size in "sml"
-            for s in (2, 3, 4)
-        },
+        {f"Ours-{size.upper()}, {s}x{s}": f"model=enss_{size} task.scale={s}" for size in "sml" for s in (2, 3, 4)},
     ),
     "enss_table3": (
         f"experiment=enss {fewer(0)}",
@@ -167,9 +161,7 @@ def sample(cfg, model, loss):
     """What the loaders would give: references and all else of high resolution for the frames that the loss sees alone."""
     side = -(-16 // model.scale)  # VGG-16 needs 16 target pixels, SSIM 11
     names = model.requires | model.compares | loss.requires | instantiate(cfg.pick).requires
-    buffers = clip(
-        names, model.scale, cfg.budget.frames, cfg.budget.batch, side, side + 1, dtype=torch.float32
-    )
+    buffers = clip(names, model.scale, cfg.budget.frames, cfg.budget.batch, side, side + 1, dtype=torch.float32)
     if cfg.task.jitter == "none" and "jitter" in buffers:
         buffers["jitter"].zero_()
     last = slice(-(cfg.budget.counted + loss.previous), None)
@@ -185,9 +177,7 @@ def test_a_step_of_the_row_s_training(command, request, vgg):
     check_numbers(cfg)
     torch.manual_seed(cfg.seed)
     model, loss = instantiate(cfg.model), instantiate(cfg.loss)
-    training = Training(
-        model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted
-    )
+    training = Training(model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted)
     training.log = training.log_dict = lambda *args, **kwargs: None
     made = training.configure_optimizers()
     value = training.training_step(sample(cfg, model, loss), 0)

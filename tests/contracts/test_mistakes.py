@@ -86,9 +86,7 @@ def test_render(override, part, tmp_path):
 
 
 def test_no_game_data(tmp_path):
-    status, said = run(
-        tmp_path, "render.py", "scene=stk/zengarden", SUPERTUXKART_DATADIR=str(tmp_path / "none")
-    )
+    status, said = run(tmp_path, "render.py", "scene=stk/zengarden", SUPERTUXKART_DATADIR=str(tmp_path / "none"))
     assert status == 2
     assert "supertuxkart-data" in said
 
@@ -104,9 +102,7 @@ def test_no_opengl(tmp_path):
 
 def test_an_unwritable_folder(tmp_path):
     (tmp_path / "file").write_text("not a folder")
-    status, said = run(
-        tmp_path, "render.py", "data=smoke", "scene=atrium", f"paths.data={tmp_path}/file/data"
-    )
+    status, said = run(tmp_path, "render.py", "data=smoke", "scene=atrium", f"paths.data={tmp_path}/file/data")
     assert (status, said.count("\n")) == (2, 1)
     assert "paths.data" in said
 

@@ -14,10 +14,7 @@ from supersampling.reporting.published import load_paper
 from supersampling.reporting.selection import matches
 from supersampling.training.identity import flat_parameters
 
-PAPERS = {
-    name: load_paper(Path(CONF.parent / "reports" / "published" / f"{name}.yaml"))
-    for name in ("nsrd", "dlctus")
-}
+PAPERS = {name: load_paper(Path(CONF.parent / "reports" / "published" / f"{name}.yaml")) for name in ("nsrd", "dlctus")}
 # Classical methods run by themselves beside each job.
 BASELINES = ("model=bicubic", "model=jau", "model=tus")
 FORMS = [(name, "") for name in SWEEPS] + [(name, words) for name, (words, _) in IN_MINUTES.items()]

@@ -54,9 +54,7 @@ class World:
         return self.material * self.lit + self.emission
 
 
-def grid(
-    width: int, height: int, step: float, offset: tuple[float, float] = (0.0, 0.0)
-) -> tuple[Array, Array]:
+def grid(width: int, height: int, step: float, offset: tuple[float, float] = (0.0, 0.0)) -> tuple[Array, Array]:
     y, x = np.mgrid[0:height, 0:width] + 0.5
     return (x + offset[0]) * step, (y + offset[1]) * step
 
@@ -65,9 +63,7 @@ def frame(t: int, clip: int, scale: int, jitter: NDArray[np.float32], speed: flo
     """All buffers of one frame."""
     low = World(*grid(SIZE[0] // scale, SIZE[1] // scale, scale, tuple(jitter)), t, clip, speed)
     high = World(*grid(*SIZE, 1.0), t, clip, speed)
-    fine = [
-        World(*grid(*SIZE, 1.0, (dx, dy)), t, clip, speed) for dx in (-0.25, 0.25) for dy in (-0.25, 0.25)
-    ]
+    fine = [World(*grid(*SIZE, 1.0, (dx, dy)), t, clip, speed) for dx in (-0.25, 0.25) for dy in (-0.25, 0.25)]
     return {
         "color": low.shown, "radiance": low.radiance, "depth": low.depth, "motion": low.motion,
         "motion_dual": low.motion * 0.5, "jitter": jitter, "normal": low.normal, "material": low.material,
@@ -88,9 +84,7 @@ def make_source(
 ) -> Path:
     """A data set file of the world."""
     folder.mkdir(parents=True, exist_ok=True)
-    spec = CaptureSpec(
-        "closed/World", split, clips, frames, frames, SIZE, SIZE, scale, "none", "matched", 1, 0, 1
-    )
+    spec = CaptureSpec("closed/World", split, clips, frames, frames, SIZE, SIZE, scale, "none", "matched", 1, 0, 1)
     parts = []
     for clip in range(clips):
         parts.append(folder / f"part{clip}.h5")

@@ -53,9 +53,7 @@ def test_clips_in_memory_and_clips_on_disk_are_the_same(make_file, tmp_path):
 
 def test_input_and_target_windows_show_the_same_place(make_file, tmp_path):
     """A still pattern: the low sample at jitter j is the target's pixel at floor((j + 0.5) * scale), nearly."""
-    data = WindowDataset(
-        [make_file(tmp_path)], Cut(crop=32, frames=1, targets=1), ALL, UNIFORM, PLAIN, seed=0
-    )
+    data = WindowDataset([make_file(tmp_path)], Cut(crop=32, frames=1, targets=1), ALL, UNIFORM, PLAIN, seed=0)
     for index in range(5):
         item = data[index]
         x, y = torch.floor((item["jitter"][0] + 0.5) * 4).int().tolist()

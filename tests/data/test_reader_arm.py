@@ -141,9 +141,7 @@ def test_a_camera_cut_begins_a_clip(capture, written, tmp_path):
     old = Store(written[0])
     for length, part in ((2, slice(0, 2)), (4, slice(2, 6))):
         assert frames[length].spec.clips == 1
-        np.testing.assert_array_equal(
-            frames[length].read("radiance", 0, slice(None)), old.read("radiance", 1, part)
-        )
+        np.testing.assert_array_equal(frames[length].read("radiance", 0, slice(None)), old.read("radiance", 1, part))
 
 
 def test_exposure_multiplies_radiance(capture, written, tmp_path):
@@ -204,9 +202,7 @@ def one_channel(capture):
         ),
         (lambda c: edit(c, lambda m: m["Frames"].__setitem__(3, None)), "0001.json"),
         (
-            lambda c: edit(
-                c, lambda m: m["Frames"][3].update(NormalizedPerRatioJitter=[{"X": 0.3, "Y": 0.1}])
-            ),
+            lambda c: edit(c, lambda m: m["Frames"][3].update(NormalizedPerRatioJitter=[{"X": 0.3, "Y": 0.1}])),
             "leaves the pixel",
         ),
     ],

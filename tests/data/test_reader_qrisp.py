@@ -41,13 +41,9 @@ def test_round_trip_is_exact_but_for_half_motion(written, tmp_path, capsys):
     assert after.spec.origin.startswith("qrisp:capture:")
     for clip in range(2):
         for name in sorted(after.buffers - {"motion"}):
-            np.testing.assert_array_equal(
-                after.read(name, clip, slice(None)), before.read(name, clip, slice(None))
-            )
+            np.testing.assert_array_equal(after.read(name, clip, slice(None)), before.read(name, clip, slice(None)))
         motion = before.read("motion", clip, slice(None))
-        assert (
-            np.abs(after.read("motion", clip, slice(None)) - motion).max() <= np.abs(motion).max() * 2.0**-11
-        )
+        assert np.abs(after.read("motion", clip, slice(None)) - motion).max() <= np.abs(motion).max() * 2.0**-11
     assert "motion read as -xy" in capsys.readouterr().out
 
 
@@ -55,21 +51,15 @@ def test_stored_numbers_are_the_paper_s(written):
     """Read with nothing but OpenEXR and Pillow: velocity is current minus previous, y up; depth is equation 4."""
     _, capture = written
     planes = OpenEXR.File(str(capture / MOTION / "0000/0003.exr"), separate_channels=True).channels()
-    assert planes["R"].pixels[-1, 0] == pytest.approx(
-        PLANE[0] / SIZE[0], rel=1e-3
-    )  # G, R in the file: vertical first
+    assert planes["R"].pixels[-1, 0] == pytest.approx(PLANE[0] / SIZE[0], rel=1e-3)  # G, R in the file: vertical first
     assert planes["G"].pixels[-1, 0] == pytest.approx(-PLANE[1] / SIZE[1], rel=1e-3)
-    stored = np.asarray(Image.open(capture / LOW / "DepthMipBiasMinus1Jittered/0000/0003.png")).astype(
-        np.float64
-    )
+    stored = np.asarray(Image.open(capture / LOW / "DepthMipBiasMinus1Jittered/0000/0003.png")).astype(np.float64)
     depth = sum(stored[..., k] / 255.0 ** (k + 1) for k in range(4))
     assert depth[20, 2] == pytest.approx(0.5 + 0.3 * (20.5 - 0.25) * 2 / 64, abs=1e-6)  # jitter of frame 3
 
 
 def test_depth_of_four_bytes():
-    bytes_ = np.array(
-        [[[0, 0, 0, 0], [255, 0, 0, 0], [127, 128, 3, 200], [255, 255, 255, 255]]], dtype=np.uint8
-    )
+    bytes_ = np.array([[[0, 0, 0, 0], [255, 0, 0, 0], [127, 128, 3, 200], [255, 255, 255, 255]]], dtype=np.uint8)
     exact = 127 / 255 + 128 / 255**2 + 3 / 255**3 + 200 / 255**4
     np.testing.assert_allclose(decode_depth(bytes_)[0, :, 0], [0.0, 1.0, exact, 1.0], rtol=1e-7)
 

@@ -70,9 +70,7 @@ def test_motion_in_clip_space_is_told_and_can_be_asked_for(capture, tmp_path):
     with pytest.raises(UserError, match=r"convention=-xy\*0\.5"):
         import_capture("qrisp", capture, tmp_path / "wrong", scale=2)
     (path,) = import_capture("qrisp", capture, tmp_path / "right", scale=2, convention="-xy*0.5")
-    np.testing.assert_allclose(
-        Store(path).read("motion", 0, slice(3, 4))[0, :, -1, 0], -PLANE / SIZE, rtol=1e-3
-    )
+    np.testing.assert_allclose(Store(path).read("motion", 0, slice(3, 4))[0, :, -1, 0], -PLANE / SIZE, rtol=1e-3)
 
 
 def test_slow_motion_in_pixels_of_the_inputs_is_told(tmp_path):
@@ -106,6 +104,4 @@ def test_depth_the_wrong_way_round_is_told_and_can_be_asked_for(written, capture
         import_capture("qrisp", capture, tmp_path / "out", scale=2)
     (path,) = import_capture("qrisp", capture, tmp_path / "out", scale=2, reversed_depth=True)
     want = Store(written[0]).read("depth", 1, slice(None))
-    np.testing.assert_allclose(
-        Store(path).read("depth", 1, slice(None)), want, atol=5e-3
-    )  # the digits' carry is lost
+    np.testing.assert_allclose(Store(path).read("depth", 1, slice(None)), want, atol=5e-3)  # the digits' carry is lost

@@ -70,9 +70,7 @@ def test_buffers_that_join_later_leave_the_others_and_their_fingerprint_alone(tm
 def test_one_changed_value_changes_the_fingerprint(tmp_path, monkeypatch):
     before = make(tmp_path / "a", NAMES)
     original = frame
-    monkeypatch.setitem(
-        globals(), "frame", lambda name, clip, t: original(name, clip, t) * (0.5 if t == 2 else 1.0)
-    )
+    monkeypatch.setitem(globals(), "frame", lambda name, clip, t: original(name, clip, t) * (0.5 if t == 2 else 1.0))
     after = make(tmp_path / "b", NAMES)
     assert before.fingerprint(["radiance"]) != after.fingerprint(["radiance"])
     assert before.fingerprint(["target"]) == after.fingerprint(["target"])  # has two frames only

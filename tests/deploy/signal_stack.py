@@ -22,6 +22,4 @@ def signal_stack_is_there() -> bool:
     if stack.flags & DISABLED or not stack.start:
         return True
     held = [line.split()[0].split("-") for line in Path("/proc/self/maps").read_text().splitlines()]
-    return any(
-        int(low, 16) <= stack.start and stack.start + stack.size <= int(high, 16) for low, high in held
-    )
+    return any(int(low, 16) <= stack.start and stack.start + stack.size <= int(high, 16) for low, high in held)

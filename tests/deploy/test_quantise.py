@@ -40,9 +40,7 @@ class Convolutions(Upsampler):
     def forward(self, frame, state):
         before = torch.zeros_like(frame.color).repeat(1, 2, 1, 1) if state is None else state[0]
         kernel = (frame.jitter.mean() + 1.0) / 9.0 * torch.ones(2, 1, 3, 3)
-        x = torch.cat(
-            (frame.color, warp(before, frame.motion), F.conv2d(frame.motion, kernel, padding=1, groups=2)), 1
-        )
+        x = torch.cat((frame.color, warp(before, frame.motion), F.conv2d(frame.motion, kernel, padding=1, groups=2)), 1)
         for k, layer in enumerate(self.body):
             x = layer(x) if k == len(self.body) - 1 else layer(x).relu()
         return F.pixel_shuffle(x, 2).sigmoid(), (x[:, :6].tanh(),)
@@ -70,9 +68,7 @@ def path(model, tmp_path_factory):
 @pytest.fixture(scope="module")
 def quantised(model, path):
     pytest.importorskip("nncf")
-    return quantise.quantise(
-        path, [random_frames(model, SIZE, 8, None), random_frames(model, (16, 16), 4, None)]
-    )
+    return quantise.quantise(path, [random_frames(model, SIZE, 8, None), random_frames(model, (16, 16), 4, None)])
 
 
 def test_frames_are_what_a_rollout_gives(model, path):

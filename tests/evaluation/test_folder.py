@@ -101,9 +101,7 @@ def test_radiance_is_shown_by_the_renderers_tone_map(single, tmp_path):
     x = 0.18
     curve = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
     shown = 1.055 * curve ** (1 / 2.4) - 0.055
-    wanted = [
-        -10 * np.log10(np.square(image.astype(np.float64) - shown).mean()) for image in targets(single, 0)
-    ]
+    wanted = [-10 * np.log10(np.square(image.astype(np.float64) - shown).mean()) for image in targets(single, 0)]
     assert psnr(single, ".exr", RadianceImages, folder).tolist() == pytest.approx(wanted, abs=1e-3)
 
 

@@ -43,9 +43,7 @@ def test_spatiotemporal_is_equation_54_on_separately_warped_images(theta):
 def test_a_constant_error_costs_space_but_not_time():
     _, targets, motion = clip()
     still = torch.zeros_like(motion)
-    assert SpatioTemporal(1.0)(targets + 0.1, targets, {"motion": still}).item() == pytest.approx(
-        0.0, abs=1e-12
-    )
+    assert SpatioTemporal(1.0)(targets + 0.1, targets, {"motion": still}).item() == pytest.approx(0.0, abs=1e-12)
     assert SpatioTemporal(0.0)(targets + 0.1, targets, {"motion": still}).item() == pytest.approx(0.2)
 
 

@@ -30,9 +30,7 @@ def by_loops(outputs, motion, dual, scale, threshold, beta):
                 for j in range(width):
                     at = (j + 0.5) / scale, (i + 0.5) / scale
                     here, other = bilinear(vectors[t], *at), bilinear(duals[t], *at)
-                    hidden = (
-                        abs(other[0] - here[0]) * w >= threshold or abs(other[1] - here[1]) * h >= threshold
-                    )
+                    hidden = abs(other[0] - here[0]) * w >= threshold or abs(other[1] - here[1]) * h >= threshold
                     before = bilinear(clip[t - 1], j + 0.5 + here[0] * width, i + 0.5 + here[1] * height)
                     for a, b in zip(before, clip[t][:, i, j]):
                         d = 0.0 if hidden else a - b
@@ -44,9 +42,7 @@ def clip(b=2, frames=3, h=3, w=4, scale=2):
     rng = np.random.default_rng(0)
     outputs = 3.0 * rng.normal(size=(b, frames, 3, h * scale, w * scale))
     motion = 0.2 * rng.normal(size=(b, frames, 2, h, w))
-    dual = motion + np.where(
-        rng.random((b, frames, 1, h, w)) < 0.5, 0.04 * rng.normal(size=motion.shape), 0.0
-    )
+    dual = motion + np.where(rng.random((b, frames, 1, h, w)) < 0.5, 0.04 * rng.normal(size=motion.shape), 0.0)
     return outputs, motion, dual
 
 

@@ -37,10 +37,7 @@ def activations(image):
             c, h, w = x.shape
             x = x[:, : h // 2 * 2, : w // 2 * 2].reshape(c, h // 2, 2, w // 2, 2).max(axis=(2, 4))
         x = np.stack(
-            [
-                sum(correlate2d(x[a], k[a], mode="same") for a in range(len(x))) + b
-                for k, b in zip(kernel, bias)
-            ]
+            [sum(correlate2d(x[a], k[a], mode="same") for a in range(len(x))) + b for k, b in zip(kernel, bias)]
         )
         x = found[name] = np.maximum(x, 0.0)
     return found
@@ -51,9 +48,7 @@ def test_it_is_equation_1_with_means_for_norms(small, layers):
     rng = np.random.default_rng(1)
     x, y = rng.random((2, 2, 2, 3, 19, 34))
     expected = 0.0
-    pairs = [
-        (activations(a), activations(b)) for a, b in zip(x.reshape(-1, 3, 19, 34), y.reshape(-1, 3, 19, 34))
-    ]
+    pairs = [(activations(a), activations(b)) for a, b in zip(x.reshape(-1, 3, 19, 34), y.reshape(-1, 3, 19, 34))]
     for name in layers:
         expected += np.mean([np.mean((a[name] - b[name]) ** 2) for a, b in pairs])
     loss = Perceptual(layers, "any")
@@ -88,9 +83,7 @@ def test_the_layers_are_torchvision_s():
     layers = make_layers(cfgs["D"])
     convolutions = [m for m in layers if isinstance(m, torch.nn.Conv2d)]
     assert len(convolutions) == len(LAYERS)
-    network = Pretrained(
-        tuple((m.weight.detach(), m.bias.detach()) for m in convolutions), (0.0,) * 3, (1.0,) * 3
-    )
+    network = Pretrained(tuple((m.weight.detach(), m.bias.detach()) for m in convolutions), (0.0,) * 3, (1.0,) * 3)
     image = torch.rand(1, 3, 32, 32)
     with torch.no_grad(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(perceptual, "pretrained", lambda weights: network)
@@ -106,15 +99,11 @@ def test_weights_that_cannot_be_had_are_named(monkeypatch, tmp_path):
 
     monkeypatch.setattr(torch.hub, "download_url_to_file", offline)
     monkeypatch.setenv("TORCH_HOME", str(tmp_path))
-    with pytest.raises(
-        UserError, match=f"vgg16-397923af.pth at {tmp_path}/hub/checkpoints/vgg16-397923af.pth"
-    ):
+    with pytest.raises(UserError, match=f"vgg16-397923af.pth at {tmp_path}/hub/checkpoints/vgg16-397923af.pth"):
         Perceptual(NAMED, "IMAGENET1K_V1")
 
 
-@pytest.mark.parametrize(
-    "content", [b"", b"half a download", None], ids=["empty", "broken", "of another network"]
-)
+@pytest.mark.parametrize("content", [b"", b"half a download", None], ids=["empty", "broken", "of another network"])
 def test_a_broken_file_is_named(monkeypatch, tmp_path, content):
     path = tmp_path / "hub" / "checkpoints" / "vgg16-397923af.pth"
     path.parent.mkdir(parents=True)

@@ -30,9 +30,7 @@ def test_it_is_one_minus_scikit_image_s(scale, data_range):
         for a, b in zip(x.reshape(-1, 3, 19, 23), y.reshape(-1, 3, 19, 23))
     ]
     loss = SSIM(data_range)
-    assert loss(torch.from_numpy(x), torch.from_numpy(y), {}).item() == pytest.approx(
-        1.0 - np.mean(similar), rel=1e-9
-    )
+    assert loss(torch.from_numpy(x), torch.from_numpy(y), {}).item() == pytest.approx(1.0 - np.mean(similar), rel=1e-9)
     assert (loss.requires, loss.previous) == (frozenset(), 0)
 
 

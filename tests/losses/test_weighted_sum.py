@@ -109,9 +109,7 @@ def test_the_papers_sums_by_hand():
     loss = instantiate(composed("loss=nsrd").loss)
     assert (loss.requires, loss.previous) == ({"motion", "motion_dual"}, 1)
     counted = outputs[:, 1:], targets[:, 1:], {}
-    expected = (
-        SmoothL1(1.0)(*counted) + SSIM(1.0)(*counted) + MaskedTemporal(0.1, 1.0)(outputs, targets, frames)
-    )
+    expected = SmoothL1(1.0)(*counted) + SSIM(1.0)(*counted) + MaskedTemporal(0.1, 1.0)(outputs, targets, frames)
     assert loss(outputs, targets, frames).item() == pytest.approx(expected.item())
     without = instantiate(composed("loss=nsrd", "loss.weights.masked_temporal=0").loss)
     assert (without.requires, without.previous) == (frozenset(), 0)
@@ -134,9 +132,7 @@ def test_any_sum_from_the_command_line():
         ).loss
     )
     outputs, targets, frames = clip()
-    expected = 0.5 * L1()(outputs[:, 1:], targets[:, 1:], {}) + 2.0 * SpatioTemporal(0.7)(
-        outputs, targets, frames
-    )
+    expected = 0.5 * L1()(outputs[:, 1:], targets[:, 1:], {}) + 2.0 * SpatioTemporal(0.7)(outputs, targets, frames)
     assert loss(outputs, targets, frames).item() == pytest.approx(expected.item())
 
 

@@ -40,12 +40,7 @@ def film(tmp_path_factory) -> Film:
     store = Store(render_files([SPEC], tmp_path_factory.mktemp("film"), BUFFERS)[0])
     held = {name: torch.from_numpy(store.read(name, 0, slice(None)))[:, None] for name in BUFFERS}
     store.close()
-    held["color"] = torch.stack(
-        [F.interpolate(image, scale_factor=4, mode="bilinear") for image in held["color"]]
-    )
+    held["color"] = torch.stack([F.interpolate(image, scale_factor=4, mode="bilinear") for image in held["color"]])
     frames = {name: list(images) for name, images in held.items()}
-    light = [
-        (F.interpolate(F.avg_pool2d(x, 4), scale_factor=4, mode="bilinear"), x)
-        for x in frames["target_radiance"]
-    ]
+    light = [(F.interpolate(F.avg_pool2d(x, 4), scale_factor=4, mode="bilinear"), x) for x in frames["target_radiance"]]
     return Film(frames["color"], frames["target"], frames["motion"], frames["motion_dual"], light)

@@ -116,9 +116,9 @@ def test_equals_the_tool_on_hdr_files(pictures, tmp_path):
 
 
 def test_the_default_distance_is_the_tools(pictures):
-    assert flip_evaluator.evaluate(*(p.astype(np.float32) for p in pictures), "LDR")[2][
-        "ppd"
-    ] == pytest.approx(FLIP()._parameters["ppd"], abs=1e-3)
+    assert flip_evaluator.evaluate(*(p.astype(np.float32) for p in pictures), "LDR")[2]["ppd"] == pytest.approx(
+        FLIP()._parameters["ppd"], abs=1e-3
+    )
 
 
 def test_a_nearer_viewer_sees_more_of_a_fine_pattern():
@@ -140,9 +140,7 @@ def test_a_method_without_radiance_has_no_value_on_it(pictures):
     assert math.isnan(FLIPHDR(**EXPOSURES)(moment(*pictures))["flip_hdr"])
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"number": 1}, {"start": 3}, {"stop": math.inf}, {"pixels_per_degree": 0.0}]
-)
+@pytest.mark.parametrize("wrong", [{"number": 1}, {"start": 3}, {"stop": math.inf}, {"pixels_per_degree": 0.0}])
 def test_what_the_tool_would_misread_is_refused(wrong):
     with pytest.raises(UserError, match=str(next(iter(wrong.values())))):
         FLIPHDR(**{**EXPOSURES, **wrong})

@@ -163,9 +163,7 @@ def test_mu_law_psnr_by_hand():
     """White (2) against a hundredth of it, and against four times it, which is not cut."""
     made = torch.tensor([0.02, 8.0]).view(2, 1, 1, 1).expand(2, 3, 4, 4)
     expected = [-20 * np.log10(abs(np.log(1 + 5000 * r) / np.log(5001) - 1)) for r in (0.01, 4.0)]
-    assert psnr_hdr_mu(made, torch.full((2, 3, 4, 4), 2.0), white=2.0).tolist() == pytest.approx(
-        expected, abs=1e-4
-    )
+    assert psnr_hdr_mu(made, torch.full((2, 3, 4, 4), 2.0), white=2.0).tolist() == pytest.approx(expected, abs=1e-4)
     assert psnr_hdr_mu(-made, torch.zeros_like(made), white=2.0).tolist() == [PSNR_CAP] * 2
 
 

@@ -90,8 +90,7 @@ def test_identical_and_black_frames_score_0(metric):
 def test_more_noise_is_farther(metric):
     noise = torch.randn(1, 3, 48, 64, generator=torch.Generator().manual_seed(2))
     distances = [
-        metric(Moment((picture() + a * noise).clamp(0, 1), picture()))["lpips_alex"]
-        for a in (0.02, 0.06, 0.18)
+        metric(Moment((picture() + a * noise).clamp(0, 1), picture()))["lpips_alex"] for a in (0.02, 0.06, 0.18)
     ]
     assert 0 < distances[0] < distances[1] < distances[2]
 

@@ -86,9 +86,7 @@ def test_flip_equals_the_tools_command_line_on_png(film, tmp_path):
     output, target = pairs(film)[1]
     expected = flip_command(tmp_path)
     assert expected > 0.05
-    assert FLIP()(Moment(output=EightBit()(output, target), target=target))["flip"] == pytest.approx(
-        expected, abs=1e-4
-    )
+    assert FLIP()(Moment(output=EightBit()(output, target), target=target))["flip"] == pytest.approx(expected, abs=1e-4)
 
 
 def test_hdr_flip_equals_the_tools_command_line_on_exr(film, tmp_path):
@@ -98,9 +96,7 @@ def test_hdr_flip_equals_the_tools_command_line_on_exr(film, tmp_path):
             file.write(str(tmp_path / f"{name}.exr"))
     expected = flip_command(tmp_path, "-cstart", "-3", "-cstop", "3", "-n", "6")
     assert expected > 0.05
-    assert FLIPHDR(start=-3, stop=3, number=6)(film.moment(3))["flip_hdr"] == pytest.approx(
-        expected, abs=1e-4
-    )
+    assert FLIPHDR(start=-3, stop=3, number=6)(film.moment(3))["flip_hdr"] == pytest.approx(expected, abs=1e-4)
 
 
 def positions(motion, height, width):

@@ -123,9 +123,7 @@ def test_warping_errors_equal_scipys_interpolation(film, kind):
     pairs = []
     for before, now in pairwise(range(len(targets))):
         places = (y + motion[now, ..., 1], x + motion[now, ..., 0])
-        seen = (abs(places[0] - (height - 1) / 2) <= height / 2) & (
-            abs(places[1] - (width - 1) / 2) <= width / 2
-        )
+        seen = (abs(places[0] - (height - 1) / 2) <= height / 2) & (abs(places[1] - (width - 1) / 2) <= width / 2)
 
         def warped(frame, places=places):
             planes = [map_coordinates(frame[..., c], places, order=1, mode="nearest") for c in range(3)]
@@ -137,10 +135,7 @@ def test_warping_errors_equal_scipys_interpolation(film, kind):
             weight = seen * np.exp(-50 * ((targets[now] - warped(targets[before])) ** 2).sum(axis=-1))
         total = 3 * weight.sum()
         pairs.append(
-            [
-                ((clip[now] - warped(clip[before])) ** 2 * weight[..., None]).sum() / total
-                for clip in (outputs, targets)
-            ]
+            [((clip[now] - warped(clip[before])) ** 2 * weight[..., None]).sum() / total for clip in (outputs, targets)]
         )
     output, reference = np.mean(pairs, axis=0)
     values = clip_score(WarpingError({"dual": DualMotion, "photometric": Photometric}[kind]()), film)

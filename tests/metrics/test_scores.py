@@ -52,9 +52,7 @@ def test_another_program_reads_it(tmp_path):
 
 
 def change(**columns: object) -> pd.DataFrame:
-    return pd.DataFrame(
-        {"scene": ["a", "a"], "clip": [0, 0], "frame": [0, None], "psnr": [1.0, 1.0], **columns}
-    )
+    return pd.DataFrame({"scene": ["a", "a"], "clip": [0, 0], "frame": [0, None], "psnr": [1.0, 1.0], **columns})
 
 
 @pytest.mark.parametrize(

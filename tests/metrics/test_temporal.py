@@ -22,7 +22,5 @@ def test_an_error_that_moves_with_the_picture_is_no_flicker():
     moved = torch.roll(error, 2, dims=3)
     frames = (target + moved, target, target + error, target)
     assert temporal_loss(*frames, motion).item() == pytest.approx(0.0, abs=1e-7)
-    flicker = (
-        2 * 0.4 * 2 * 3 / (8 * 16)
-    )  # judged without motion: two columns of three pixels appear, two vanish
+    flicker = 2 * 0.4 * 2 * 3 / (8 * 16)  # judged without motion: two columns of three pixels appear, two vanish
     assert temporal_loss(*frames, torch.zeros_like(motion)).item() == pytest.approx(flicker)

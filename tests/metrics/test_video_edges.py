@@ -66,9 +66,7 @@ def test_a_clip_against_itself(values, frames):
         assert (scores[name] == 0.0) == flat
 
 
-@pytest.mark.parametrize(
-    ("outputs", "targets"), [(GREY, TEXTURE), (TEXTURE, GREY), (BLACK, TEXTURE), (TEXTURE, BLACK)]
-)
+@pytest.mark.parametrize(("outputs", "targets"), [(GREY, TEXTURE), (TEXTURE, GREY), (BLACK, TEXTURE), (TEXTURE, BLACK)])
 def test_a_flat_clip_against_a_texture_is_finite_and_bad(values, outputs, targets):
     scores = values(outputs, targets)
     assert nan_of(scores) == (set() if targets is TEXTURE else set(RATIOS))

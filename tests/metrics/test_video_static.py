@@ -17,9 +17,7 @@ def frames(count, seed, height=4, width=5):
 def test_a_clip_at_rest_gives_numpys_deviation():
     outputs, targets = frames(18, 0), frames(18, 1)
     values = score(StaticDeviation(), outputs, targets, [torch.zeros(1, 2, 2, 2)] * 18)
-    output, target = (
-        255 * np.stack([f[0].numpy() for f in clip]).std(axis=0).mean() for clip in (outputs, targets)
-    )
+    output, target = (255 * np.stack([f[0].numpy() for f in clip]).std(axis=0).mean() for clip in (outputs, targets))
     assert list(values.values()) == pytest.approx([output, target, 1.0], rel=1e-5)
 
 

@@ -15,9 +15,7 @@ def by_hand(band):
     """Local variances and entropies of 3x3 blocks, by loops and an inverse."""
     rows, columns = band.shape[0] // 3, band.shape[1] // 3
     band = band[: 3 * rows, : 3 * columns]
-    patches = [
-        band[i : i + 3, j : j + 3].ravel() for i in range(3 * rows - 2) for j in range(3 * columns - 2)
-    ]
+    patches = [band[i : i + 3, j : j + 3].ravel() for i in range(3 * rows - 2) for j in range(3 * columns - 2)]
     centred = np.array(patches) - np.mean(patches, axis=0)
     covariance = centred.T @ centred / len(patches)
     inverse, spread = np.linalg.inv(covariance), np.linalg.eigvalsh(covariance)
@@ -26,9 +24,7 @@ def by_hand(band):
         for j in range(columns):
             x = band[3 * i : 3 * i + 3, 3 * j : 3 * j + 3].ravel()
             variance[i, j] = x @ inverse @ x / 9
-            entropy[i, j] = sum(
-                math.log2(variance[i, j] * v + 0.1) + math.log(2 * math.pi * math.e) for v in spread
-            )
+            entropy[i, j] = sum(math.log2(variance[i, j] * v + 0.1) + math.log(2 * math.pi * math.e) for v in spread)
     return variance, entropy
 
 
@@ -38,9 +34,7 @@ def test_information_by_hand():
     (variance, entropy), (change, change_entropy) = by_hand(first), by_hand(first - second)
     spatial, temporal = information(torch.from_numpy(first), torch.from_numpy(second))
     np.testing.assert_allclose(spatial, np.log2(1 + variance) * entropy, rtol=1e-8)
-    np.testing.assert_allclose(
-        temporal, np.log2(1 + variance) * np.log2(1 + change) * change_entropy, rtol=1e-8
-    )
+    np.testing.assert_allclose(temporal, np.log2(1 + variance) * np.log2(1 + change) * change_entropy, rtol=1e-8)
 
 
 def test_the_band_is_pyrtools():
@@ -55,9 +49,7 @@ def test_equals_scikit_video(monkeypatch):
     for name, kind in (("int", int), ("float", float)):
         monkeypatch.setattr(np, name, kind, raising=False)  # scikit-video is older than numpy 2
     reference = pytest.importorskip("skvideo.measure.strred")
-    double = SimpleNamespace(
-        **{**vars(np), "float32": np.float64}
-    )  # its float32 is not enough for an inverse
+    double = SimpleNamespace(**{**vars(np), "float32": np.float64})  # its float32 is not enough for an inverse
     for module in (reference, sys.modules["skvideo.utils.stpyr"]):
         monkeypatch.setattr(module, "np", double)
     targets = [image.double() for image in pan(5, 112, 128)[0]]

@@ -49,9 +49,7 @@ def test_equals_ffmpeg_on_two_files(film, tmp_path):
 
 def test_equals_ffmpeg_on_lossless_rgb_files(film, tmp_path):
     """The same conversion, but each film a file of its own: nothing is mixed up or lost on the way through stdin."""
-    convert = (
-        "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd,format=yuv420p"
-    )
+    convert = "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd,format=yuv420p"
     for name, frames in zip(("output", "target"), film):
         (tmp_path / f"{name}.raw").write_bytes(b"".join(to_bytes(f).tobytes() for f in frames))
         source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "64x48", "-r", "30", "-i", f"{name}.raw"]

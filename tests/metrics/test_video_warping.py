@@ -22,9 +22,7 @@ def test_equals_a_loop_over_pixels_of_a_pan():
         pairs = []
         for before, now in pairwise(frames):
             a, b = before[0].numpy(), now[0].numpy()
-            errors = [
-                (b[c, i, j] - a[c, i, j + 1]) ** 2 for c in range(3) for i in range(6) for j in range(8)
-            ]
+            errors = [(b[c, i, j] - a[c, i, j + 1]) ** 2 for c in range(3) for i in range(6) for j in range(8)]
             pairs.append(np.mean(errors))
         return np.mean(pairs)
 
@@ -62,9 +60,7 @@ def test_photometric_weights_by_hand():
 def test_a_cut_and_a_single_frame_have_no_value():
     image, beyond = torch.rand(1, 3, 4, 8), torch.full((1, 2, 4, 8), 2.0)
     for count in (1, 2):
-        values = score(
-            WarpingError(DualMotion()), [image] * count, [image] * count, [beyond] * 2, [beyond] * 2
-        )
+        values = score(WarpingError(DualMotion()), [image] * count, [image] * count, [beyond] * 2, [beyond] * 2)
         assert all(math.isnan(value) for value in values.values())
 
 

@@ -9,9 +9,7 @@ from supersampling.metrics.suite import Moment
 def texture(height, width, seed=0):
     """Smooth colours in [0.1, 0.9]."""
     coarse = torch.rand(1, 3, height // 4 + 1, width // 4 + 1, generator=torch.Generator().manual_seed(seed))
-    return 0.1 + 0.8 * F.interpolate(coarse, size=(height, width), mode="bicubic", align_corners=True).clamp(
-        0, 1
-    )
+    return 0.1 + 0.8 * F.interpolate(coarse, size=(height, width), mode="bicubic", align_corners=True).clamp(0, 1)
 
 
 def pan(frames, height=48, width=64, step=2):

@@ -34,10 +34,7 @@ def test_a_residual_block_adds_to_its_input():
     inner = F.conv2d(x, block.first.weight, block.first.bias, padding=1).clamp_min(0.0)
     inner = F.conv2d(inner, block.second.weight, block.second.bias, padding=1)
     torch.testing.assert_close(block(x), x + block.attention(inner))
-    assert (
-        sum(p.numel() for p in ResidualAttention(64).parameters())
-        == 2 * (64 * 64 * 9 + 64) + 2 * 64 * 4 + 4 + 64
-    )
+    assert sum(p.numel() for p in ResidualAttention(64).parameters()) == 2 * (64 * 64 * 9 + 64) + 2 * 64 * 4 + 4 + 64
 
 
 def test_gated_convolution_is_equation_5():

@@ -107,9 +107,7 @@ def test_equals_the_thesis_listing_over_a_clip(scale, h, w, confine):
             grid = lattice + 2.0 * frame["motion"].permute(0, 2, 3, 1)  # [-1, 1] is two image units wide
             left_the_image += int((grid.abs() > 1).sum())
             jitter = frame["jitter"] + 0.5
-            expected, history = thesis_step(
-                model.network, scale, frame["color"], frame["depth"], grid, jitter, history
-            )
+            expected, history = thesis_step(model.network, scale, frame["color"], frame["depth"], grid, jitter, history)
             torch.testing.assert_close(output, expected, rtol=0, atol=1e-11)
             torch.testing.assert_close(state, history, rtol=0, atol=1e-11)
     assert left_the_image > 10

@@ -24,8 +24,7 @@ FRAMES = 5
 def build(tmp_path_factory):
     root = tmp_path_factory.mktemp("conf")
     (root / "root.yaml").write_text(
-        "defaults:\n  - model: dlctus\n  - _self_\ntask:\n  scale: 4\n"
-        f"hydra:\n  searchpath:\n    - file://{CONF}\n"
+        f"defaults:\n  - model: dlctus\n  - _self_\ntask:\n  scale: 4\nhydra:\n  searchpath:\n    - file://{CONF}\n"
     )
 
     def make(scale, *overrides):
@@ -136,9 +135,7 @@ def test_neither_a_strided_convolution_nor_a_pixel_shuffle_is_left(build):
     for name, model in (("plain", plain), ("deployed", plain.for_inference())):
         with torch.no_grad(), Seen() as mode:
             model(frame, torch.rand(2, 4, 16, 16))
-        seen[name] = {
-            call for call in mode.calls if call[0] in ("convolution", "pixel_shuffle", "pixel_unshuffle")
-        }
+        seen[name] = {call for call in mode.calls if call[0] in ("convolution", "pixel_shuffle", "pixel_unshuffle")}
     assert seen["plain"] == {("convolution", 4, 4), ("convolution", 3, 3), ("pixel_shuffle",)}
     assert seen["deployed"] == {("convolution", 1, 1), ("convolution", 3, 3)}
 

@@ -73,9 +73,7 @@ def test_what_is_not_finite_is_mended_as_in_the_plain_form(buffer):
     plain = dlctus()
     frames = list(clip(24, 24, 2))
     getattr(frames[1], buffer)[0, 0, 2, 20] = torch.nan
-    torch.testing.assert_close(
-        roll(DLCTUSNative(plain), frames)[-1], roll(plain, frames)[-1], rtol=0, atol=5e-5
-    )
+    torch.testing.assert_close(roll(DLCTUSNative(plain), frames)[-1], roll(plain, frames)[-1], rtol=0, atol=5e-5)
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])

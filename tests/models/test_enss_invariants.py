@@ -31,9 +31,7 @@ def test_a_shift_by_whole_blocks_commutes_away_from_borders(stages):
     wide = clip(frames=2, b=1, h=40, w=44, motion=0.0, dtype=torch.float64)
     wide["motion"] = wide["motion"] + torch.tensor([1.0 / 80, -1.0 / 80], dtype=torch.float64).view(2, 1, 1)
     narrow = {k: v[..., 8:, 4:] if v.dim() == 5 else v for k, v in wide.items()}
-    scale = torch.tensor([44 / 40, 40 / 32], dtype=torch.float64).view(
-        2, 1, 1
-    )  # motion is in units of the image
+    scale = torch.tensor([44 / 40, 40 / 32], dtype=torch.float64).view(2, 1, 1)  # motion is in units of the image
     narrow["motion"] = narrow["motion"] * scale
     with torch.no_grad():
         whole, part = run(model, wide)[0][..., 16:, 8:], run(model, narrow)[0]

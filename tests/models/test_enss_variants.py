@@ -13,9 +13,7 @@ from supersampling.training.module import Training, unroll
 
 CONF = Path(__file__).parents[2] / "conf"
 SLOTS = ("flow", "motion_grid", "reproject", "history", "kernel_prediction", "confine")
-VARIANTS = [
-    f"model/{slot}={p.stem}" for slot in SLOTS for p in sorted((CONF / "model" / slot).glob("*.yaml"))
-]
+VARIANTS = [f"model/{slot}={p.stem}" for slot in SLOTS for p in sorted((CONF / "model" / slot).glob("*.yaml"))]
 
 pytestmark = pytest.mark.usefixtures("raft")
 
@@ -55,9 +53,7 @@ def test_every_variant_composes_and_trains(override):
     given["color"].requires_grad_()
     batch = given | {"target": torch.rand(2, 3, 3, 10, 12)}
     adam = partial(torch.optim.Adam, lr=1e-3)
-    training = Training(
-        model, L1(), adam, partial(torch.optim.lr_scheduler.ConstantLR, factor=1.0), counted=1
-    )
+    training = Training(model, L1(), adam, partial(torch.optim.lr_scheduler.ConstantLR, factor=1.0), counted=1)
     training.log = lambda *args, **kwargs: None
     optimizer = adam(model.parameters())
     value = training.training_step(batch, 0)

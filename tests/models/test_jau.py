@@ -13,9 +13,7 @@ from supersampling.models.jau import JAU
 def test_without_jitter_jau_is_bilinear_resizing(scale):
     color = np.random.default_rng(0).random((5, 7, 3))
     expected = resize(color, (5 * scale, 7 * scale), order=1, mode="edge", anti_aliasing=False)
-    frame = Frame(
-        torch.from_numpy(color).permute(2, 0, 1)[None], jitter=torch.zeros(1, 2, dtype=torch.float64)
-    )
+    frame = Frame(torch.from_numpy(color).permute(2, 0, 1)[None], jitter=torch.zeros(1, 2, dtype=torch.float64))
     output, state = JAU(scale)(frame, None)
     assert state is None
     torch.testing.assert_close(output[0].permute(1, 2, 0), torch.from_numpy(expected))

@@ -23,11 +23,7 @@ VARIANTS = [
     ("nsrr", "model/extract=none", "model/reweight=none"),
     ("nsrr", "model/upsample=bilinear", "model/warp_at=low"),
     *(("nsrr", f"model.previous={n}") for n in range(4)),
-    *(
-        ("nsrr", f"model/{slot}={p.stem}")
-        for slot in SLOTS
-        for p in sorted((CONF / "model" / slot).glob("*.yaml"))
-    ),
+    *(("nsrr", f"model/{slot}={p.stem}") for slot in SLOTS for p in sorted((CONF / "model" / slot).glob("*.yaml"))),
 ]
 
 

@@ -35,9 +35,7 @@ def test_parameters_of_the_published_network():
 
 
 @pytest.mark.parametrize("previous", range(5))
-@pytest.mark.parametrize(
-    ("extract", "reweight"), [(True, True), (True, False), (False, True), (False, False)]
-)
+@pytest.mark.parametrize(("extract", "reweight"), [(True, True), (True, False), (False, True), (False, False)])
 @pytest.mark.parametrize("width", [64, 32])
 def test_a_disabled_stage_leaves_no_parameters(previous, extract, reweight, width):
     model = nsrr(
@@ -60,8 +58,7 @@ def test_guides_widen_both_extractors_and_the_u_net_but_not_the_reweighting(prev
 
 def test_the_fast_u_net_halves_every_layer_but_the_last():
     outputs = [
-        [c.out_channels for c in UNet(60, width).modules() if isinstance(c, torch.nn.Conv2d)]
-        for width in (64, 32)
+        [c.out_channels for c in UNet(60, width).modules() if isinstance(c, torch.nn.Conv2d)] for width in (64, 32)
     ]
     assert outputs[0] == [64, 32, 64, 64, 128, 128, 64, 64, 32, 3]
     assert outputs[1] == [32, 16, 32, 32, 64, 64, 32, 32, 16, 3]

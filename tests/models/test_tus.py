@@ -14,9 +14,7 @@ from supersampling.stages.reproject import Bilinear
 
 
 def tus(scale=2, sigma=0.8, alpha=0.5, rectify=None, dilate=None, pad=None):
-    return TUS(
-        scale, sigma, alpha, Bilinear(), rectify or NoRectification(), dilate or NoDilation(), pad or Zeros()
-    )
+    return TUS(scale, sigma, alpha, Bilinear(), rectify or NoRectification(), dilate or NoDilation(), pad or Zeros())
 
 
 def test_blends_a_sample_into_history_by_alpha_beta():
@@ -45,9 +43,7 @@ def test_outside_the_image_the_history_is_padded():
     color = torch.full((1, 3, 4, 4), 0.6)
     frame = Frame(color=color, motion=torch.full((1, 2, 4, 4), 2.0), jitter=torch.zeros(1, 2))
     history = torch.full((1, 3, 8, 8), 0.2)
-    torch.testing.assert_close(
-        tus(pad=JitterAligned(), alpha=0.0)(frame, history)[0].mean(), torch.tensor(0.6)
-    )
+    torch.testing.assert_close(tus(pad=JitterAligned(), alpha=0.0)(frame, history)[0].mean(), torch.tensor(0.6))
     assert tus(pad=Zeros(), alpha=0.0)(frame, history)[0].max() == 0.0
 
 

@@ -50,9 +50,7 @@ def scale_and_bias(n_dot_v, roughness, **rule):
 
 def test_reference_knows_its_own_geometry():
     """A diffuse surface reflects its albedo, whatever the rings are centred on; a uniform grid over the hemisphere agrees."""
-    f0_less = [
-        directional_albedo(c, 0.7, 0.5, 0.0) - directional_albedo(c, 0.7, 0.04, 1.0) for c in (0.05, 0.5, 1.0)
-    ]
+    f0_less = [directional_albedo(c, 0.7, 0.5, 0.0) - directional_albedo(c, 0.7, 0.04, 1.0) for c in (0.05, 0.5, 1.0)]
     np.testing.assert_allclose(f0_less, 0.5, rtol=2e-4)
 
     n_z, azimuth = np.meshgrid((np.arange(1000) + 0.5) / 1000, (np.arange(1000) + 0.5) / 1000 * 2.0 * np.pi)
@@ -159,9 +157,7 @@ def test_material_reads_texel_centres_exactly_and_half_way_between():
 
 def test_material_repeats_the_table_at_its_edges_and_floors_roughness():
     table = integrate_table(32, 64).double()
-    outside = material(
-        *surfaces((0.5, 0.2, 0.4, -0.3), (0.5, 0.2, 0.4, 1.7), (0.5, 0.2, 0.0, 0.6)), table=table
-    )
+    outside = material(*surfaces((0.5, 0.2, 0.4, -0.3), (0.5, 0.2, 0.4, 1.7), (0.5, 0.2, 0.0, 0.6)), table=table)
     inside = material(
         *surfaces((0.5, 0.2, 0.4, 0.5 / 32), (0.5, 0.2, 0.4, 31.5 / 32), (0.5, 0.2, MIN_ROUGHNESS, 0.6)),
         table=table,
@@ -177,9 +173,7 @@ def test_material_keeps_pictures_and_channels_apart():
     table = integrate_table(16, 64)
     whole = material(albedo, metallic, roughness, specular, n_dot_v, table)
     for b, y, x in ((0, 0, 0), (1, 3, 1), (0, 2, 4), (1, 0, 3)):
-        one = [
-            t[b : b + 1, :, y : y + 1, x : x + 1] for t in (albedo, metallic, roughness, specular, n_dot_v)
-        ]
+        one = [t[b : b + 1, :, y : y + 1, x : x + 1] for t in (albedo, metallic, roughness, specular, n_dot_v)]
         for c in range(3):
             same = [t if t.shape[1] == 1 else t[:, c : c + 1].expand(1, 3, 1, 1) for t in one]
             torch.testing.assert_close(material(*same, table)[0, 0, 0, 0], whole[b, c, y, x])

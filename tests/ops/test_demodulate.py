@@ -62,14 +62,11 @@ def test_the_edge_is_the_smallest_normal_half():
 
 def test_half_precision_does_not_overflow():
     """A radiance of 100 on a nearly black surface: the lighting is 25 times float16's maximum."""
-    lighting = demodulate(
-        torch.tensor([100.0]).half(), torch.tensor([MIN_MATERIAL]).half(), torch.zeros(1).half()
-    )
+    lighting = demodulate(torch.tensor([100.0]).half(), torch.tensor([MIN_MATERIAL]).half(), torch.zeros(1).half())
     assert lighting.item() == 100.0 / MIN_MATERIAL
     assert remodulate(lighting, torch.tensor([MIN_MATERIAL]).half(), torch.zeros(1).half()).item() == 100.0
     assert (
-        remodulate(torch.tensor([60000.0]).half(), torch.tensor([2.0]).half(), torch.zeros(1).half()).item()
-        == 120000.0
+        remodulate(torch.tensor([60000.0]).half(), torch.tensor([2.0]).half(), torch.zeros(1).half()).item() == 120000.0
     )
 
 
@@ -91,17 +88,13 @@ def test_emission_and_sky_pass_beside():
         assert (lighting == 0.0).all()
         assert torch.equal(remodulate(lighting, material, sky), sky)
     lighting, material = torch.rand(2, 1, 3, 6, 7)
-    torch.testing.assert_close(
-        remodulate(lighting, material, sky) - remodulate(lighting, material, sky * 0), sky
-    )
+    torch.testing.assert_close(remodulate(lighting, material, sky) - remodulate(lighting, material, sky * 0), sky)
 
 
 def test_gradients():
     """Lit surfaces of ordinary reflectance: the derivatives of a quotient and of a product."""
     rng = np.random.default_rng(8)
-    material, emission = (
-        torch.from_numpy(rng.uniform(0.2, 1.0, (1, 3, 2, 2))).requires_grad_() for _ in range(2)
-    )
+    material, emission = (torch.from_numpy(rng.uniform(0.2, 1.0, (1, 3, 2, 2))).requires_grad_() for _ in range(2))
     radiance = torch.from_numpy(rng.uniform(2.0, 3.0, (1, 3, 2, 2))).requires_grad_()
     assert torch.autograd.gradcheck(demodulate, (radiance, material, emission))
     assert torch.autograd.gradcheck(remodulate, (radiance, material, emission))

@@ -22,9 +22,7 @@ def test_value(radiance):
 
 def test_known_points():
     """1 maps to 2.54 / 3.16 = 0.80380 linear; sRGB of that is 0.90825."""
-    assert displayed(torch.tensor(1.0)).item() == pytest.approx(
-        1.055 * 0.8037975 ** (1 / 2.4) - 0.055, abs=1e-5
-    )
+    assert displayed(torch.tensor(1.0)).item() == pytest.approx(1.055 * 0.8037975 ** (1 / 2.4) - 0.055, abs=1e-5)
     assert displayed(torch.tensor([65504.0, 1e30, math.inf])).tolist() == pytest.approx([1.0, 1.0, 1.0])
 
 

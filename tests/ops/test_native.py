@@ -40,10 +40,7 @@ def test_product(rows):
     torch.manual_seed(0)
     x, weight, bias = torch.randn(rows, 68), torch.randn(68, WIDTH), torch.randn(WIDTH)
     expected = np.array(
-        [
-            [math.fsum(a * b for a, b in zip(row, column)) for column in weight.T.tolist()]
-            for row in x.tolist()
-        ]
+        [[math.fsum(a * b for a, b in zip(row, column)) for column in weight.T.tolist()] for row in x.tolist()]
     )
     found = native.linear(x, weight, bias)
     np.testing.assert_allclose(found.numpy(), expected + bias.numpy(), rtol=0, atol=2e-5)

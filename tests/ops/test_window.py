@@ -6,17 +6,13 @@ from scipy.ndimage import gaussian_filter
 from supersampling.ops.window import gaussian_mean
 
 
-@pytest.mark.parametrize(
-    ("window", "sigma", "shape"), [(11, 1.5, (2, 3, 14, 17)), (5, 0.8, (6, 5)), (1, 1.0, (2, 2))]
-)
+@pytest.mark.parametrize(("window", "sigma", "shape"), [(11, 1.5, (2, 3, 14, 17)), (5, 0.8, (6, 5)), (1, 1.0, (2, 2))])
 def test_it_is_scipy_s_inside_whole_windows(window, sigma, shape):
     maps = np.random.default_rng(0).normal(size=shape)
     r = window // 2
     filtered = gaussian_filter(maps, sigma, radius=r, axes=(-2, -1))
     expected = filtered[..., r : shape[-2] - r, r : shape[-1] - r]
-    np.testing.assert_allclose(
-        gaussian_mean(torch.from_numpy(maps), window, sigma).numpy(), expected, rtol=1e-12
-    )
+    np.testing.assert_allclose(gaussian_mean(torch.from_numpy(maps), window, sigma).numpy(), expected, rtol=1e-12)
 
 
 def test_its_derivatives():

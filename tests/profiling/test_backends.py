@@ -93,9 +93,7 @@ def test_a_frame_is_laid_out_as_the_backend_reads_it(method):
     prepared = ChannelsLast().load(make(), SETTING).prepare(frames[0])
     assert prepared.color.is_contiguous(memory_format=torch.channels_last)
     assert torch.equal(prepared.color, frames[0].color)
-    convolutions = [
-        m for m in ChannelsLast().load(make(), SETTING).model.modules() if isinstance(m, torch.nn.Conv2d)
-    ]
+    convolutions = [m for m in ChannelsLast().load(make(), SETTING).model.modules() if isinstance(m, torch.nn.Conv2d)]
     assert all(c.weight.is_contiguous(memory_format=torch.channels_last) for c in convolutions)
 
 

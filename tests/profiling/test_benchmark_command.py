@@ -178,9 +178,7 @@ def test_the_command(tmp_path):
     assert dlctus.low <= dlctus.ms <= dlctus.high
     stages = pd.read_json(path.with_name("stages.json"), orient="split")
     of_one = stages[stages.method == "dlctus"].set_index("part").ms
-    assert of_one[[n for n in of_one.index if "." not in n and n != "total"]].sum() == pytest.approx(
-        of_one.total
-    )
+    assert of_one[[n for n in of_one.index if "." not in n and n != "total"]].sum() == pytest.approx(of_one.total)
 
 
 def test_an_unknown_backend(tmp_path):

@@ -32,9 +32,7 @@ def trained(make_file, entry, tmp_path):
 @pytest.mark.slow
 def test_what_bfloat16_changes_is_taken_against_the_trained_weights(trained, entry):
     settings, run = trained
-    cfg = entry(
-        "benchmark", *settings, f"run={run.info.run_id}", "precisions=[float32,bfloat16]", "cost=true"
-    )
+    cfg = entry("benchmark", *settings, f"run={run.info.run_id}", "precisions=[float32,bfloat16]", "cost=true")
     table = cost_command(cfg, experiment_of(cfg), {"eager": Eager(), "channels_last": ChannelsLast()})
     said = {*zip(table.backend, table.precision)}
     assert said == {("eager", "bfloat16"), ("channels_last", "float32"), ("channels_last", "bfloat16")}

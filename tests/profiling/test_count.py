@@ -30,9 +30,7 @@ class Window(Upsampler[Any]):
     def __init__(self):
         super().__init__()
         self.scale = 2
-        self.stem = nn.Sequential(
-            nn.Conv2d(3, 8, 3, padding=1), nn.Identity(), nn.Conv2d(8, 4, 1, bias=False)
-        )
+        self.stem = nn.Sequential(nn.Conv2d(3, 8, 3, padding=1), nn.Identity(), nn.Conv2d(8, 4, 1, bias=False))
         self.each = nn.Conv2d(4, 6, 5, stride=2, padding=2, groups=2)
         self.weight = nn.Parameter(torch.rand(2, 7))
         self.idle = nn.ReLU()
@@ -42,11 +40,7 @@ class Window(Upsampler[Any]):
         for layer in self.stem:
             x = layer(x)
         window = (x, *(state or ()))[:3]
-        y = (
-            sum(self.each(w).mean() for w in window)
-            + (frame.jitter @ self.weight).sum()
-            + frame.high_normal.sum()
-        )
+        y = sum(self.each(w).mean() for w in window) + (frame.jitter @ self.weight).sum() + frame.high_normal.sum()
         return y.expand(1, 3, 2 * x.shape[-2], 2 * x.shape[-1]), window
 
 

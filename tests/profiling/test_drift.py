@@ -57,9 +57,7 @@ def named(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def test_a_known_drift_is_found(clips):
-    rows = roll(
-        Repeat(), {("worse", "int8"): Worse(0.02), ("same", "float32"): Worse(0.0)}, clips, Continuous()
-    )
+    rows = roll(Repeat(), {("worse", "int8"): Worse(0.02), ("same", "float32"): Worse(0.0)}, clips, Continuous())
     assert len(rows) == 2 * 2 * 6
     worse, same = changes(named(rows))
     assert worse.largest == pytest.approx(0.1, abs=1e-6)  # 5 frames after the first; a new clip begins anew
@@ -75,9 +73,7 @@ def test_a_known_drift_is_found(clips):
             apart.append(10 * np.log10(((image - target) ** 2).mean() / ((shown - target) ** 2).mean()))
         truth.append(apart)
     assert worse.mean.mean == pytest.approx(np.mean(truth), abs=1e-4)
-    assert worse.slope.mean == pytest.approx(
-        np.mean([np.polyfit(range(6), a, 1)[0] for a in truth]), abs=1e-4
-    )
+    assert worse.slope.mean == pytest.approx(np.mean([np.polyfit(range(6), a, 1)[0] for a in truth]), abs=1e-4)
     assert worse.slope.mean < -0.1
     assert costs([worse])["R", "worse", "int8"] == worse.mean
 

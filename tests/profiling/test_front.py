@@ -87,9 +87,7 @@ def test_gaps_are_paired_over_clips():
         timing(0.5, architecture="A", backend="openvino", precision="int8"),
         timing(4.0, architecture="B"),
     ]
-    exact, also, coarse, other = candidates(
-        methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss}
-    )
+    exact, also, coarse, other = candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
     tables = [CLIPS[name]["psnr"].to_numpy() for name in ("a-0", "a-1")]
     expected = paired_difference(np.stack(tables), CLIPS["b-0"]["psnr"].to_numpy(), CLIPS["b-0"]["scene"])
     assert gap(exact, other, CLIPS) == expected
@@ -112,9 +110,7 @@ def test_independent_errors_add_in_quadrature():
 
     for sign in (1.0, -1.0):
         ours, truth = plus(interval(a), interval(b), sign), interval(a + sign * b)
-        assert (ours.mean, ours.low, ours.high) == pytest.approx(
-            (truth.mean, truth.low, truth.high), abs=0.03
-        )
+        assert (ours.mean, ours.low, ours.high) == pytest.approx((truth.mean, truth.low, truth.high), abs=0.03)
     assert math.isnan(plus(interval(a), Estimate(1.0, NO, NO, 1)).low)
 
 

@@ -32,9 +32,7 @@ def test_each_level_adds_up_to_what_calls_it_where_frames_differ():
         model(FRAME, None)
 
     rows = {r.part: r for r in parts(model, step, 7, Recorder(CPU, 2, clock))}
-    assert sum(r.ms for name, r in rows.items() if name in TOP and name != "total") == pytest.approx(
-        rows["total"].ms
-    )
+    assert sum(r.ms for name, r in rows.items() if name in TOP and name != "total") == pytest.approx(rows["total"].ms)
     for parent in ("prepare", "net"):
         children = [r.ms for name, r in rows.items() if name.startswith(f"{parent}.")]
         assert sum(children) == pytest.approx(rows[parent].ms)
@@ -59,10 +57,7 @@ def test_tensor_functions_are_parts(composed):
     model = instantiate(composed("model=dlctus").model)
     frame = random_frame(model, 8, 8, "cpu")
     with torch.no_grad():
-        rows = {
-            r.part: r.kind
-            for r in parts(model, lambda: model(frame, model(frame, None)[1]), 2, Recorder(CPU, 2))
-        }
+        rows = {r.part: r.kind for r in parts(model, lambda: model(frame, model(frame, None)[1]), 2, Recorder(CPU, 2))}
     assert rows["zero_upsample"] == "function"
     assert rows["prepare.jitter_aligned_upsample"] == "function"
     assert rows["network.blocks.3"] == "Sequential"

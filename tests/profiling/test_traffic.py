@@ -31,9 +31,7 @@ def test_a_state_that_fills_up_is_counted_full(composed):
     model = instantiate(composed("model=nsrr").model)
     parameters = sum(p.numel() for p in model.parameters())
     low, target = 16 * 8, 64 * 32
-    assert bytes_moved(model, 16, 8) == 4 * (
-        low * (3 + 1 + 2) + 2 + target * 3 + 2 * 4 * 12 * target + parameters
-    )
+    assert bytes_moved(model, 16, 8) == 4 * (low * (3 + 1 + 2) + 2 + target * 3 + 2 * 4 * 12 * target + parameters)
 
 
 def test_what_is_not_possible_is_unknown():

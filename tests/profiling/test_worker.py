@@ -163,8 +163,6 @@ def test_a_processor_s_precisions(monkeypatch, tmp_path, flags, there):
     info = tmp_path / "cpuinfo"
     info.write_text(f"processor : 0\nmodel name : bf16 is in the name\nflags\t\t: {flags}\n")
     monkeypatch.setattr(precision, "_CPUINFO", info)
-    lacking = {
-        p: precision.lacking(torch.device("cpu"), p) for p in ("float32", "bfloat16", "float16", "int8")
-    }
+    lacking = {p: precision.lacking(torch.device("cpu"), p) for p in ("float32", "bfloat16", "float16", "int8")}
     assert {p for p, why in lacking.items() if not why} == {"float32", *there}
     assert all(why.endswith(".") and p in why for p, why in lacking.items() if why)

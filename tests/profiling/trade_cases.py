@@ -39,9 +39,7 @@ def timing(ms: float, name: str = "m", high: float | None = None, **more) -> Tim
     return Timing(**{**given, **more})
 
 
-def candidate(
-    name: str, db: float, ms: float, high: float | None = None, half: float = 0.1, **more
-) -> Candidate:
+def candidate(name: str, db: float, ms: float, high: float | None = None, half: float = 0.1, **more) -> Candidate:
     quality = Estimate(db, db - half, db + half, 10, 5)
     return Candidate(name, (run(name),), quality, timing(ms, name, high, **more))
 

@@ -26,9 +26,7 @@ def turn(yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Points:
     return about_z @ about_x @ about_y
 
 
-def camera(
-    eye: Sequence[float] = (0.0, 0.0, 0.0), rotation: Points | None = None, fov: float = 1.0
-) -> Camera:
+def camera(eye: Sequence[float] = (0.0, 0.0, 0.0), rotation: Points | None = None, fov: float = 1.0) -> Camera:
     view = np.eye(4)
     view[:3, :3] = turn(0.0) if rotation is None else rotation
     view[:3, 3] = -view[:3, :3] @ np.asarray(eye, np.float64)
@@ -79,9 +77,7 @@ def hit(origin: Points, direction: Points, point: Points, normal: Points) -> Poi
     return ((point - origin) @ normal) / (direction @ normal)
 
 
-def quad(
-    corners: Sequence[Sequence[float]], material: int = 0, uv: Sequence[Sequence[float]] = UNIT_UV
-) -> Mesh:
+def quad(corners: Sequence[Sequence[float]], material: int = 0, uv: Sequence[Sequence[float]] = UNIT_UV) -> Mesh:
     """Four corners, counter-clockwise as seen from the front."""
     p = np.asarray(corners, np.float64)
     normal = np.cross(p[1] - p[0], p[2] - p[0])
@@ -142,9 +138,7 @@ MATTE = Material("matte", roughness=1.0, double_sided=True)
 
 def bright(world: Scene, view: Camera, seconds: float = 0.0, shadow_size: int = 1024) -> np.ndarray:
     with Renderer(world, shadow_size) as draw:
-        return draw.low(still(view, FRAME, seconds), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"][
-            ..., 1
-        ]
+        return draw.low(still(view, FRAME, seconds), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"][..., 1]
 
 
 def floor_points(view: Camera) -> np.ndarray:

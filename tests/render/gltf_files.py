@@ -77,9 +77,7 @@ class Builder:
         return self.add("nodes", item)
 
     def light(self, **item: Any) -> int:
-        lights = self.json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})[
-            "lights"
-        ]
+        lights = self.json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
         lights.append(item)
         return len(lights) - 1
 

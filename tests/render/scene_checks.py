@@ -69,9 +69,7 @@ def check_routes(scene: Scene, clearance: float = 0.3) -> None:
             share = np.linspace(0.0, 1.0, 12)[:, None]
             eyes = np.concatenate([a + share * (b - a) for a, b in pairwise(points)])
         for triangles in (standing, *moving):
-            close = (triangles.min(axis=1) < eyes.max(axis=0) + 1.0) & (
-                triangles.max(axis=1) > eyes.min(axis=0) - 1.0
-            )
+            close = (triangles.min(axis=1) < eyes.max(axis=0) + 1.0) & (triangles.max(axis=1) > eyes.min(axis=0) - 1.0)
             around = triangles[close.all(axis=1)]
             assert all(nearest(eye, around) > clearance for eye in eyes), route.name
 

@@ -76,8 +76,7 @@ def write_track(root: Path, name: str, scene: str, **files: str) -> Path:
     (track / "track.xml").write_text('<track name="Test Lane" designer="A. Designer" is-during-day="Y"/>')
     quads = ['<quad p0="-4 1 0" p1="4 1 0" p2="4 1 20" p3="-4 1 20"/>']
     quads += [
-        f'<quad p0="{k - 1}:3" p1="{k - 1}:2" p2="4 1 {20 * k + 20}" p3="-4 1 {20 * k + 20}"/>'
-        for k in range(1, 10)
+        f'<quad p0="{k - 1}:3" p1="{k - 1}:2" p2="4 1 {20 * k + 20}" p3="-4 1 {20 * k + 20}"/>' for k in range(1, 10)
     ]
     (track / "quads.xml").write_text(f"<quads>{''.join(quads)}</quads>")
     (track / "graph.xml").write_text('<graph><edge-loop from="0" to="9"/></graph>')

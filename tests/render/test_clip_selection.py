@@ -15,9 +15,7 @@ def moving(pixels: float) -> np.ndarray:
 
 
 def test_detail_beats_smooth_ground():
-    assert interest({"color": NOISE, "motion": moving(2)}, 4) > 5 * interest(
-        {"color": FLAT, "motion": moving(2)}, 4
-    )
+    assert interest({"color": NOISE, "motion": moving(2)}, 4) > 5 * interest({"color": FLAT, "motion": moving(2)}, 4)
 
 
 def test_motion_beats_standing_and_a_blur_of_speed():

@@ -29,9 +29,7 @@ def test_rotations_are_slerped_along_the_shorter_arc_and_loop(tmp_path: Path) ->
     truth = Slerp([0.5, 1.5, 2.0], turns)
     for seconds in (0.5, 0.7, 1.5, 1.9):
         for loop in (0.0, 2.0, 14.0):
-            np.testing.assert_allclose(
-                item.at(seconds + loop)[:3, :3], truth([seconds]).as_matrix()[0], atol=2e-6
-            )
+            np.testing.assert_allclose(item.at(seconds + loop)[:3, :3], truth([seconds]).as_matrix()[0], atol=2e-6)
     np.testing.assert_allclose(item.at(0.2)[:3, :3], np.eye(3), atol=1e-6)  # held before the first key
     np.testing.assert_allclose(item.at(0.7)[:3, 3], [0, 0, 1])
 
@@ -46,9 +44,7 @@ def test_translations_step_scales_and_children_move_along(tmp_path: Path) -> Non
     still, moving = sorted(loaded(file, tmp_path).objects, key=lambda item: item.moves)
     assert not still.moves
     # x = 2t + scale * 1
-    np.testing.assert_allclose(
-        [moving.at(t)[0, 3] for t in (0.0, 0.75, 1.0, 1.75)], [1.0, 2.5, 5.0, 6.5], atol=1e-6
-    )
+    np.testing.assert_allclose([moving.at(t)[0, 3] for t in (0.0, 0.75, 1.0, 1.75)], [1.0, 2.5, 5.0, 6.5], atol=1e-6)
     np.testing.assert_allclose(moving.at(1.5)[:3, 0], [3, 0, 0], atol=1e-6)
 
 
@@ -66,9 +62,7 @@ def test_cubic_splines_are_hermite(tmp_path: Path) -> None:
     where, turned = CubicHermiteSpline(times, values, tangents), CubicHermiteSpline(times, quaternions, spins)
     for seconds in (0.0, 0.2, 0.5, 1.3, 1.99):
         np.testing.assert_allclose(item.at(seconds)[:3, 3], where(seconds), atol=1e-5)
-        np.testing.assert_allclose(
-            item.at(seconds)[:3, :3], Rotation.from_quat(turned(seconds)).as_matrix(), atol=1e-5
-        )
+        np.testing.assert_allclose(item.at(seconds)[:3, :3], Rotation.from_quat(turned(seconds)).as_matrix(), atol=1e-5)
 
 
 def test_what_is_animated_by_the_same_value_stands_still(tmp_path: Path) -> None:
@@ -123,9 +117,7 @@ def test_every_split_has_several_routes_that_see_the_scene(size: float, tmp_path
             corner = size * np.array((1.0, 1.0, 1.0)) * -np.sign(route.points)
             assert np.linalg.norm(route.points - corner, axis=1).max() < scene.far
             centres.append(route.points.mean(axis=0))
-    apart = np.linalg.norm(np.array(centres)[:, None] - np.array(centres), axis=-1) + 1e9 * np.eye(
-        len(centres)
-    )
+    apart = np.linalg.norm(np.array(centres)[:, None] - np.array(centres), axis=-1) + 1e9 * np.eye(len(centres))
     assert apart.min() > 0.01 * size
 
 
@@ -144,16 +136,12 @@ def test_units_of_lights_keep_their_ratios(tmp_path: Path) -> None:
     half = np.sqrt(0.5)
     scene = lights(file, tmp_path, {"rotation": [-half, 0, 0, half]}, {"translation": [0, 0, 2]})
     assert scene.sun is not None
-    np.testing.assert_allclose(
-        scene.sun.direction, [0, 1, 0], atol=1e-6
-    )  # -z turned to -y: the light comes from above
+    np.testing.assert_allclose(scene.sun.direction, [0, 1, 0], atol=1e-6)  # -z turned to -y: the light comes from above
     (lamp,) = scene.points
     assert lamp.radius == 6.0
     assert lamp.cone is None
     # Radiance / pi of a surface that faces each: intensity / d^2 and the sun's radiance.
-    np.testing.assert_allclose(
-        np.array(lamp.intensity) / 2.0**2 / scene.sun.radiance, [2.0, 4.0, 8.0], rtol=1e-6
-    )
+    np.testing.assert_allclose(np.array(lamp.intensity) / 2.0**2 / scene.sun.radiance, [2.0, 4.0, 8.0], rtol=1e-6)
 
 
 def test_a_model_that_is_brought_to_size_is_lit_as_before(tmp_path: Path) -> None:

@@ -61,9 +61,7 @@ def test_other_versions(tmp_path: Path) -> None:
     refused(tmp_path / "old.glb", "version 1,")
 
 
-@pytest.mark.parametrize(
-    "name", ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"]
-)
+@pytest.mark.parametrize("name", ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"])
 def test_required_extensions_are_named(name: str, tmp_path: Path) -> None:
     file = square_file()
     file.json["extensionsRequired"] = ["KHR_lights_punctual", name]
@@ -139,9 +137,7 @@ def claimed(width: int, height: int) -> bytes:
     """The beginning of a PNG that would be as large as that, with next to no data."""
     header = b"IHDR" + struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     data = b"IDAT" + zlib.compress(bytes(100))
-    chunks = b"".join(
-        struct.pack(">I", len(c) - 4) + c + struct.pack(">I", zlib.crc32(c)) for c in (header, data)
-    )
+    chunks = b"".join(struct.pack(">I", len(c) - 4) + c + struct.pack(">I", zlib.crc32(c)) for c in (header, data))
     return b"\x89PNG\r\n\x1a\n" + chunks
 
 

@@ -82,9 +82,7 @@ def test_strips_and_fans_keep_their_winding(tmp_path: Path) -> None:
     ring = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 2, 0], [0, 2, 0]], float)
     file = Builder()
     file.node(
-        mesh=file.mesh(
-            {"POSITION": file.accessor(zigzag)}, mode=5, indices=file.accessor([0, 1, 2, 3, 4, 4], "u2")
-        )
+        mesh=file.mesh({"POSITION": file.accessor(zigzag)}, mode=5, indices=file.accessor([0, 1, 2, 3, 4, 4], "u2"))
     )
     file.node(mesh=file.mesh({"POSITION": file.accessor(ring)}, mode=6))
     strip, fan = load_gltf(file.glb(tmp_path / "a.glb")).meshes
@@ -177,9 +175,7 @@ def test_sparse_accessors_replace_some_elements(based: bool, tmp_path: Path) -> 
     if based:
         positions = file.accessor(SQUARE, sparse=sparse)
     else:
-        positions = file.add(
-            "accessors", {"componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse}
-        )
+        positions = file.add("accessors", {"componentType": 5126, "count": 4, "type": "VEC3", "sparse": sparse})
     expected = np.array(SQUARE, np.float32) if based else np.zeros((4, 3), np.float32)
     expected[1:3] = [[5, 0, 0], [6, 7, 8]]
     file.node(mesh=file.mesh({"POSITION": positions}, indices=file.accessor([0, 1, 2, 1, 2, 3], "u2")))

@@ -50,9 +50,7 @@ def test_factors_and_maps(tmp_path: Path) -> None:
         "metallicRoughnessTexture": {"index": file.texture(CHECKS[..., :3])},
     }  # fmt: skip
     normal = {"index": file.texture(CHECKS[..., :3])}
-    made = material_of(
-        file, tmp_path, name="m", pbrMetallicRoughness=pbr, normalTexture=normal, doubleSided=True
-    )
+    made = material_of(file, tmp_path, name="m", pbrMetallicRoughness=pbr, normalTexture=normal, doubleSided=True)
     assert made.albedo is not None
     assert made.surface is not None
     assert made.normal is not None
@@ -85,9 +83,7 @@ def test_images_of_every_kind_become_eight_bit_rgb(tmp_path: Path) -> None:
     images += [{"uri": "beside.png"}, {"uri": data_uri(kinds[1], "image/jpeg")}]
     for image in images:
         texture = file.add("textures", {"source": file.add("images", image)})
-        file.node(
-            mesh=file.square(file.material(pbrMetallicRoughness={"baseColorTexture": {"index": texture}}))
-        )
+        file.node(mesh=file.square(file.material(pbrMetallicRoughness={"baseColorTexture": {"index": texture}})))
     made = load_gltf(file.glb(tmp_path / "a.glb")).materials
     assert len(made) == 7
     for material in made:
@@ -107,9 +103,7 @@ def test_masks_compare_factor_times_texture_with_the_cutoff(factor: float, tmp_p
 
 
 def test_blended_alpha_carries_its_factor(tmp_path: Path) -> None:
-    made = material_of(
-        Builder(), tmp_path, pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.2]}, alphaMode="BLEND"
-    )
+    made = material_of(Builder(), tmp_path, pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.2]}, alphaMode="BLEND")
     assert made.alpha == "blend"
     assert made.albedo is not None
     np.testing.assert_array_equal(made.albedo, [[[255, 255, 255, 51]]])
@@ -142,9 +136,7 @@ def test_an_emissive_texture_is_seen_exactly_and_leaves_the_surface_alone(
         out = draw.low(still(filling, whole(96, 96)), 1, (0.0, 0.0), 0.0, frozenset({"emission", "albedo"}))
     wanted = np.array((8.0, 4.0, 2.0)) * linear(CHECKS[..., :3]) * scene.exposure
     np.testing.assert_allclose(out["emission"][6::12, 12::24], wanted, rtol=0.02, atol=2e-3)
-    np.testing.assert_allclose(
-        out["albedo"].reshape(-1, 3), np.tile(linear(paint[0, 0]), (96 * 96, 1)), atol=2e-3
-    )
+    np.testing.assert_allclose(out["albedo"].reshape(-1, 3), np.tile(linear(paint[0, 0]), (96 * 96, 1)), atol=2e-3)
 
 
 def test_a_plain_emission_takes_no_colour_from_the_base(tmp_path: Path) -> None:
@@ -162,9 +154,7 @@ def test_an_emissive_map_with_other_coordinates_takes_the_emission_with_it(tmp_p
     transform = {"KHR_texture_transform": {"scale": [2.0, 2.0]}}
     glow = {"index": file.texture(CHECKS), "extensions": transform}
     with pytest.warns(UserWarning, match="other coordinates"):
-        made = material_of(
-            file, tmp_path, pbrMetallicRoughness=pbr, emissiveTexture=glow, emissiveFactor=[1, 1, 1]
-        )
+        made = material_of(file, tmp_path, pbrMetallicRoughness=pbr, emissiveTexture=glow, emissiveFactor=[1, 1, 1])
     assert (made.glow, made.emission) == (None, (0.0, 0.0, 0.0))
 
 

@@ -42,9 +42,7 @@ def test_samples_are_spread_by_area() -> None:
     assert found.area == pytest.approx(8.0 * (5 * 2 + 2 * 3 + 3 * 5))
     top = (np.abs(found.surface[:, 1] - 2.0) < 1e-9).mean()
     assert top == pytest.approx(5 * 3 / (2 * (5 * 2 + 2 * 3 + 3 * 5)), abs=0.01)
-    np.testing.assert_allclose(
-        found.surface[found.normals[:, 0] > 0.9].mean(axis=0), [5.0, 0.0, 0.0], atol=0.1
-    )
+    np.testing.assert_allclose(found.surface[found.normals[:, 0] > 0.9].mean(axis=0), [5.0, 0.0, 0.0], atol=0.1)
     np.testing.assert_allclose(found.clearance(np.zeros((1, 3))), 2.0, atol=0.02)
     np.testing.assert_allclose((found.lo, found.hi), [(-5, -2, -3), (5, 2, 3)])
 
@@ -59,9 +57,7 @@ def test_bounds_hold_what_moves() -> None:
     np.testing.assert_allclose((found.lo, found.hi), [(-11, -1, -1), (11, 1, 1)], atol=0.1)
 
 
-def place(
-    file: Builder, half: tuple[float, float, float], centre: tuple[float, float, float], inward: bool
-) -> None:
+def place(file: Builder, half: tuple[float, float, float], centre: tuple[float, float, float], inward: bool) -> None:
     indices = (TRIANGLES[:, ::-1] if inward else TRIANGLES).ravel()
     mesh = file.mesh({"POSITION": file.accessor(CORNERS)}, indices=file.accessor(indices, "u1"))
     file.node(mesh=mesh, scale=list(half), translation=list(centre))

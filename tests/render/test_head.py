@@ -33,9 +33,7 @@ def test_eyes_swing_about_the_neck():
     """Level, a quarter turn to the right, and straight up: the Oculus SDK's 80.5 mm to the front and 75 mm up."""
     quarter = np.pi / 2
     swung = from_neck(np.array((0, quarter, 0)), np.array((0, 0, quarter)))
-    np.testing.assert_allclose(
-        swung, [(0, 0.075, -0.0805), (0.0805, 0.075, 0), (0, 0.0805, 0.075)], atol=1e-12
-    )
+    np.testing.assert_allclose(swung, [(0, 0.075, -0.0805), (0.0805, 0.075, 0), (0, 0.0805, 0.075)], atol=1e-12)
 
 
 def test_minimum_jerk_is_flash_and_hogan_s():

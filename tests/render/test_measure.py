@@ -119,9 +119,7 @@ def test_a_shadow_that_moves_is_seen_and_one_that_stands_is_not():
         places = [shift(0, 0, 0), lambda t, speed=speed: shift(speed * t, 0, 0)]
         material = replace(MATTE, double_sided=True)
         lamp = Sun((0.0, 1.0, 0.2), (3.0, 3.0, 3.0))
-        with Probe(
-            scene([material], [ground, roof], places, sun=lamp, sky=replace(DARK, ambient=0.0))
-        ) as probe:
+        with Probe(scene([material], [ground, roof], places, sun=lamp, sky=replace(DARK, ambient=0.0))) as probe:
             changed, standing = shadow_change(probe, moment(camera((0, 1.0, 0), down), seconds=1.0))
             shares_.append(changed / standing)
     # The camera is below the roof and sees x within 0.97 m; the shadow's left edge went from 0.5 m to 1 m.
@@ -170,9 +168,7 @@ def test_costs_name_every_buffer_and_its_size(monkeypatch):
     monkeypatch.setattr(costs, "SIDE", 32)
     monkeypatch.setattr(costs, "FRAMES", 2)
     line = np.array(((0, 0, 0), (0, 0, -3)), np.float32)
-    world = replace(
-        scene([MATTE], [wall(-9, 9, -9, 9, -10.0)]), routes=[Route(str(k), line) for k in range(6)]
-    )
+    world = replace(scene([MATTE], [wall(-9, 9, -9, 9, -10.0)]), routes=[Route(str(k), line) for k in range(6)])
     found = {cost.name: cost for cost in costs.costs(world)}
     assert set(found) == set(BUFFERS) - {"jitter"}
     assert found["target"].raw == 32 * 32 * 3

@@ -31,9 +31,7 @@ def test_previous_places_are_those_of_the_pinhole_camera():
     front = (np.abs(place[..., 0] - 1.0) < 1.0) & (np.abs(place[..., 1]) < 1.0)
     points = np.where(front[..., None], place - (0.5, 0, 0), eye(now) + depth_back[..., None] * ray)
     with Probe(world) as probe:
-        found = probe.previous(
-            shot, (96, 64), 1.0 / np.where(front, depth_front, depth_back), np.where(front, 2, 1)
-        )
+        found = probe.previous(shot, (96, 64), 1.0 / np.where(front, depth_front, depth_back), np.where(front, 2, 1))
     np.testing.assert_allclose(found.uv * (96, 64), project(before, window, points), atol=1e-6)
     then = -((points - eye(before)) @ before.view[:3, :3].T)[..., 2]
     np.testing.assert_allclose(found.inverse, 1.0 / then, rtol=1e-9)

@@ -91,7 +91,5 @@ def test_the_command_line_has_the_last_word_over_a_preset():
 
 
 def test_other_cameras_make_other_files():
-    names = {
-        source("train", "data=smoke", f"data.camera={c}").specs("val")[0].file_name for c in ("walk", "head")
-    }
+    names = {source("train", "data=smoke", f"data.camera={c}").specs("val")[0].file_name for c in ("walk", "head")}
     assert len(names) == 2

@@ -82,9 +82,7 @@ def test_buffers_hold_what_the_materials_say(painted):
     np.testing.assert_allclose(out["albedo"][paint], np.tile(base, (paint.sum(), 1)), atol=1e-3)
     np.testing.assert_allclose(out["metallic"][paint], 0.25, atol=1e-3)
     np.testing.assert_allclose(out["roughness"][paint], 0.5, atol=1e-3)
-    np.testing.assert_allclose(
-        out["specular"][paint], np.tile(0.03 + 0.25 * base, (paint.sum(), 1)), atol=1e-3
-    )
+    np.testing.assert_allclose(out["specular"][paint], np.tile(0.03 + 0.25 * base, (paint.sum(), 1)), atol=1e-3)
     # The wall faces +z; in the camera's axes (x right, y down, z towards it).
     normal = np.diag([1.0, -1.0, 1.0]) @ view.view[:3, :3] @ np.array([0.0, 0.0, 1.0])
     np.testing.assert_allclose(out["normal"][paint], np.tile(normal, (paint.sum(), 1)), atol=2e-3)
@@ -115,9 +113,7 @@ def test_a_glow_map_stands_beside_the_albedo():
         # The software renderer decodes sRGB by a polynomial.
         np.testing.assert_allclose(out["emission"][seen], emitted, rtol=0.02)
         np.testing.assert_allclose(out["radiance"][seen], emitted, rtol=0.02)  # nothing else is lit
-        np.testing.assert_allclose(
-            out["albedo"][seen], np.tile(0.5 * linear["albedo"], (seen.sum(), 1)), rtol=0.02
-        )
+        np.testing.assert_allclose(out["albedo"][seen], np.tile(0.5 * linear["albedo"], (seen.sum(), 1)), rtol=0.02)
 
 
 def test_radiance_is_material_times_lighting_at_both_resolutions(painted):

@@ -31,9 +31,7 @@ ALL = frozenset({"color", "depth", "motion"})
 GEOMETRY = frozenset({"depth", "motion"})
 
 
-def _low(
-    world: Scene, shot: Shot, jitter: tuple[float, float], buffers: frozenset[str] = ALL, scale: int = 2
-):
+def _low(world: Scene, shot: Shot, jitter: tuple[float, float], buffers: frozenset[str] = ALL, scale: int = 2):
     with Renderer(world, 64) as draw:
         return draw.low(shot, scale, jitter, 0.0, buffers)
 
@@ -82,9 +80,7 @@ def test_depth_is_linear_and_sky_is_one(jitter: tuple[float, float]) -> None:
     assert (_low(world, away, jitter, frozenset({"depth"}))["depth"] == 1.0).all()
 
 
-def _motion_error(
-    motion: np.ndarray, truth: np.ndarray, points: np.ndarray, window: Window, scale: int
-) -> np.ndarray:
+def _motion_error(motion: np.ndarray, truth: np.ndarray, points: np.ndarray, window: Window, scale: int) -> np.ndarray:
     """Difference in low-resolution pixels; ``truth`` are previous frame pixel positions."""
     return np.abs(motion * (window.width, window.height) - (truth - points)).max(axis=-1) / scale
 
@@ -195,9 +191,7 @@ def test_tiles_do_not_show_in_the_target(sharp: Scene, monkeypatch: pytest.Monke
     shot = still(camera((0, 0.3, 0), turn(0.05, -0.1)), whole(60, 40))
     with Renderer(sharp, 256) as draw:
         once = draw.target(shot, 2, 0.0)
-        monkeypatch.setattr(
-            module, "TILE", 34
-        )  # tiles of 17 target pixels: 4 x 3, with narrow ones at the ends
+        monkeypatch.setattr(module, "TILE", 34)  # tiles of 17 target pixels: 4 x 3, with narrow ones at the ends
         tiled = draw.target(shot, 2, 0.0)
     difference = np.abs(once - tiled)
     assert (difference > 1 / 255).mean() < 0.005
@@ -238,12 +232,8 @@ def test_two_renderers_and_two_frames_give_the_same_bytes(sharp: Scene) -> None:
     assert target.tobytes() == fresh_target.tobytes()
 
 
-@pytest.mark.parametrize(
-    "reason", [Exception("cannot load libEGL"), OSError("libEGL.so.1"), ImportError("glcontext")]
-)
-def test_no_opengl_says_what_to_install(
-    reason: Exception, sharp: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("reason", [Exception("cannot load libEGL"), OSError("libEGL.so.1"), ImportError("glcontext")])
+def test_no_opengl_says_what_to_install(reason: Exception, sharp: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise reason
 

@@ -141,9 +141,7 @@ def test_reflectance_under_the_sun(roughness: float, metallic: float) -> None:
         "paint", albedo=_flat(200, 120, 60), surface=_flat(128, 128, 255), base_color=(0.9, 0.8, 1.0),
         roughness=roughness * 255 / 128, metallic=metallic * 255 / 128,
     )  # fmt: skip
-    world = scene(
-        [material], [wall(-4, 4, -4, 4, -4)], sun=Sun(tuple(2 * sun), (0.9, 1.1, 1.3)), exposure=0.6
-    )
+    world = scene([material], [wall(-4, 4, -4, 4, -4)], sun=Sun(tuple(2 * sun), (0.9, 1.1, 1.3)), exposure=0.6)
     tinted = [replace(world.meshes[0], colors=np.full((4, 3), (1.0, 0.6, 0.2), np.float32))]
     view, window = camera((0.1, 0.2, 0)), whole(24, 16)
     with Renderer(replace(world, meshes=tinted), 64) as draw:
@@ -164,9 +162,7 @@ def test_normal_maps_lean_right_with_red_and_up_with_green(tilt: tuple[float, fl
     if mirrored:
         placed[0, 0] = -1.0
         normal[0] *= -1.0
-    world = scene(
-        [Material("m", normal=_flat(*texel))], [wall(-4, 4, -4, 4, 0)], [placed], sun=Sun((0.3, 0.5, 0.8))
-    )
+    world = scene([Material("m", normal=_flat(*texel))], [wall(-4, 4, -4, 4, 0)], [placed], sun=Sun((0.3, 0.5, 0.8)))
     window = whole(16, 16)
     with Renderer(world, 64) as draw:
         image = draw.low(still(SQUARE, window), 1, (0, 0), 0.0, COLOR)["color"]
@@ -193,11 +189,7 @@ def test_a_point_light_falls_off_to_nothing_at_its_radius() -> None:
     distance = np.linalg.norm(toward, axis=-1, keepdims=True)
     out = (eye(view) - place) / np.linalg.norm(eye(view) - place, axis=-1, keepdims=True)
     fade = np.clip(1 - (distance / 2.5) ** 4, 0, 1) ** 2 / distance**2
-    truth = (
-        _reflected(np.ones(3), 0.8, 0.0, np.array([0.0, 1, 0]), out, toward / distance)
-        * light.intensity
-        * fade
-    )
+    truth = _reflected(np.ones(3), 0.8, 0.0, np.array([0.0, 1, 0]), out, toward / distance) * light.intensity * fade
     np.testing.assert_allclose(image, _displayed(truth), atol=5e-3)
     assert (image[distance[..., 0] > 2.5] == 0.0).all()
 

@@ -29,9 +29,7 @@ from supersampling.render.renderer import Renderer
 from supersampling.render.scene import Material, Mesh, PointLight, Scene, Sky, Sun
 
 
-def _reflected(
-    point: np.ndarray, unit: np.ndarray, view: Camera, normal: np.ndarray, paint: Material
-) -> np.ndarray:
+def _reflected(point: np.ndarray, unit: np.ndarray, view: Camera, normal: np.ndarray, paint: Material) -> np.ndarray:
     """Times pi and the cosine: NSRD's reflectance (supplement, equations 1 to 10) for light from ``unit``."""
     out = eye(view) - point
     out /= np.linalg.norm(out, axis=-1, keepdims=True)
@@ -50,9 +48,7 @@ def _reflected(
 @pytest.mark.parametrize("moving", [False, True])
 @pytest.mark.parametrize("extent", [3.0, 90.0])  # the scene's size sets the texels: 6 mm, and 5 cm
 @pytest.mark.parametrize("angle", [0.0, 0.7, 1.2, 1.45])
-def test_a_sunlit_plane_is_as_bright_as_the_formula_and_has_no_acne(
-    angle: float, extent: float, moving: bool
-) -> None:
+def test_a_sunlit_plane_is_as_bright_as_the_formula_and_has_no_acne(angle: float, extent: float, moving: bool) -> None:
     direction = np.array([np.sin(angle) * 0.8, np.cos(angle), np.sin(angle) * 0.6])
     plain = Material("plain", base_color=(0.7,) * 3, roughness=0.9)
     still_floor = shift(0, 0, 0)
@@ -130,9 +126,7 @@ def test_a_negative_mip_bias_sharpens_and_matches_the_full_resolution() -> None:
     shot = still(camera(fov=0.8), whole(512, 512))
     color = frozenset({"color"})
     with Renderer(_checker(), 64) as draw:
-        spread = [
-            float(draw.low(shot, 4, (0.0, 0.0), b, color)["color"].std()) for b in (0.0, -1.0, -2.0, -3.0)
-        ]
+        spread = [float(draw.low(shot, 4, (0.0, 0.0), b, color)["color"].std()) for b in (0.0, -1.0, -2.0, -3.0)]
         full = float(draw.low(shot, 1, (0.0, 0.0), 0.0, color)["color"].std())
         target = float(draw.target(shot, 1, 0.0).std())
         # A target's levels are those of its own pixels, however many samples it takes.

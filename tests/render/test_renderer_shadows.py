@@ -89,9 +89,7 @@ def test_alpha_tested_leaves_cast_a_holed_shadow(sun: bool) -> None:
     image = np.full((64, 64, 4), 255, np.uint8)
     image[16:48, 16:48, 3] = 0  # the middle half is open
     leaf = Material("leaf", albedo=image, alpha="test", double_sided=True)
-    more: dict = (
-        {"sun": Sun((0.0, 1.0, 0.0))} if sun else {"points": [PointLight((0, 4, 0), (40.0,) * 3, 12.0)]}
-    )
+    more: dict = {"sun": Sun((0.0, 1.0, 0.0))} if sun else {"points": [PointLight((0, 4, 0), (40.0,) * 3, 12.0)]}
     world = scene([MATTE, leaf], [floor(6.0), floor(1.0, 2.0, 1)], **more)
     view = camera((0, 1.8, 0), DOWN, fov=2.2)
     spread, ground = (1.0 if sun else 2.0), floor_points(view)

@@ -32,10 +32,7 @@ def test_display_fits_the_frame_and_leaves_the_middle_free(scene):
     for thing in (o for o in scene.objects if o.frame == "camera"):
         for seconds in (0.0, 3.0, 11.0):
             pose = thing.at(seconds).astype(float)
-            points = (
-                np.concatenate([scene.meshes[m].positions for m in thing.meshes]) @ pose[:3, :3].T
-                + pose[:3, 3]
-            )
+            points = np.concatenate([scene.meshes[m].positions for m in thing.meshes]) @ pose[:3, :3].T + pose[:3, 3]
             assert (points[:, 2] < -2 * scene.near).all()
             x = 960.0 + focal * points[:, 0] / -points[:, 2]
             y = 540.0 - focal * points[:, 1] / -points[:, 2]

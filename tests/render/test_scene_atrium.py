@@ -43,8 +43,7 @@ def test_meshes_are_well_formed(scene: Scene) -> None:
 
 def test_front_faces_agree_with_vertex_normals(scene: Scene) -> None:
     agree = [
-        (_geometric_normals(mesh) * mesh.normals[mesh.triangles].mean(axis=1)).sum(axis=1) > 0
-        for mesh in scene.meshes
+        (_geometric_normals(mesh) * mesh.normals[mesh.triangles].mean(axis=1)).sum(axis=1) > 0 for mesh in scene.meshes
     ]
     assert np.concatenate(agree).mean() > 0.99
 
@@ -136,9 +135,7 @@ def test_routes_are_eye_high_long_and_clear(scene: Scene) -> None:
         assert route.points[:, 1].min() >= 1.5
         assert route.points[:, 1].max() <= 1.8
         share = np.linspace(0, len(route.points) - 1, 200)
-        line = np.stack(
-            [np.interp(share, np.arange(len(route.points)), route.points[:, k]) for k in range(3)], 1
-        )
+        line = np.stack([np.interp(share, np.arange(len(route.points)), route.points[:, k]) for k in range(3)], 1)
         distance, _ = tree.query(line)
         assert distance.min() > 0.4, route.name
         for seconds in np.linspace(0, 20, 9):

@@ -47,9 +47,7 @@ def test_box_area_and_volume() -> None:
     shape = box((2.0, 3.0, 5.0), (7.0, -1.0, 4.0))
     assert _area(shape) == pytest.approx(2 * (6 + 10 + 15))
     assert _volume(shape) == pytest.approx(30.0)
-    np.testing.assert_allclose(
-        (shape.positions.min(0), shape.positions.max(0)), ((6, -2.5, 1.5), (8, 0.5, 6.5))
-    )
+    np.testing.assert_allclose((shape.positions.min(0), shape.positions.max(0)), ((6, -2.5, 1.5), (8, 0.5, 6.5)))
 
 
 def test_cylinder_sphere_and_tube_hold_the_volume_of_their_polygons() -> None:
@@ -133,9 +131,7 @@ def test_rotation_by_hand() -> None:
 def test_periods_and_extremes_of_the_motions() -> None:
     turn = spin((1, 2, 3), (0, 1, 0), 0.25)
     np.testing.assert_allclose(turn(0.7), turn(4.7), atol=1e-5)
-    np.testing.assert_allclose(
-        turn(1.0) @ (1, 0, 0, 1), (1, 2, 2, 1), atol=1e-5
-    )  # a quarter turn takes x to -z
+    np.testing.assert_allclose(turn(1.0) @ (1, 0, 0, 1), (1, 2, 2, 1), atol=1e-5)  # a quarter turn takes x to -z
     swing = sway((0, 5, 0), (0, 0, 1), 30, 0.5)
     np.testing.assert_allclose(swing(0.5) @ (0, -2, 0, 1), (1.0, 5 - np.sqrt(3), 0, 1), atol=1e-5)
     trip = shuttle((-2, 0, 1), (4, 0, 1), 0.1)

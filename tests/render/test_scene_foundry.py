@@ -53,9 +53,7 @@ def test_size_of_the_scene(scene):
 def test_materials_of_every_kind(scene):
     assert any(m.alpha == "test" and m.albedo is not None and m.albedo.shape[2] == 4 for m in scene.materials)
     assert any(max(m.emission) > 0 and m.surface is not None for m in scene.materials)
-    assert any(
-        m.metallic > 0.9 and m.surface is not None and m.surface[..., 1].mean() > 128 for m in scene.materials
-    )
+    assert any(m.metallic > 0.9 and m.surface is not None and m.surface[..., 1].mean() > 128 for m in scene.materials)
     drawn = {m.material for m in scene.meshes}
     assert drawn == set(range(len(scene.materials)))
 
@@ -68,9 +66,7 @@ def test_objects_move_smoothly(scene):
         points = np.concatenate([scene.meshes[i].positions for i in thing.meshes]).astype(float)
         points = np.concatenate([points[points.argmax(0)], points[points.argmin(0)]])
         points = np.concatenate([points, np.ones((6, 1))], 1).T
-        path = np.array([[thing.at(float(t + k * FRAME)) @ points for k in range(3)] for t in times])[
-            :, :, :3
-        ]
+        path = np.array([[thing.at(float(t + k * FRAME)) @ points for k in range(3)] for t in times])[:, :, :3]
         step = np.diff(path, axis=1)
         bend = np.diff(step, axis=1)
         assert 1e-4 < np.linalg.norm(step, axis=2).max() < 0.25
@@ -81,9 +77,7 @@ def test_objects_move_smoothly(scene):
 def test_routes_are_clear(scene):
     static = [scene.meshes[i].positions for o in scene.objects if not o.moves for i in o.meshes]
     vertices = np.concatenate(static).astype(float)
-    moving = [
-        (o, np.concatenate([scene.meshes[i].positions for i in o.meshes])) for o in scene.objects if o.moves
-    ]
+    moving = [(o, np.concatenate([scene.meshes[i].positions for i in o.meshes])) for o in scene.objects if o.moves]
     moved = [
         points @ thing.at(t)[:3, :3].T + thing.at(t)[:3, 3]
         for thing, points in moving

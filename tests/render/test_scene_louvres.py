@@ -34,9 +34,7 @@ def _period(scene: Scene, name: str, axis: int, box: tuple[tuple[float, float], 
     places = np.unique(corners[inside, axis].round(4))
     # Twice as many levels as blades where two corners of a blade differ: the shift that maps the set onto itself.
     shifts = np.arange(0.02, 0.2, 0.0005)
-    errors = [
-        np.abs(places[:, None] + s - places[None]).min(axis=1)[: len(places) // 2].mean() for s in shifts
-    ]
+    errors = [np.abs(places[:, None] + s - places[None]).min(axis=1)[: len(places) // 2].mean() for s in shifts]
     return float(shifts[np.asarray(errors) < 0.0006][0])
 
 
@@ -77,7 +75,5 @@ def test_what_moves_is_slow(scene):
     assert len(moving) >= 6
     for thing in moving:
         points = np.concatenate([scene.meshes[m].positions for m in thing.meshes]).astype(float)
-        places = np.stack(
-            [points @ thing.at(t)[:3, :3].T + thing.at(t)[:3, 3] for t in np.linspace(0.0, 10.0, 601)]
-        )
+        places = np.stack([points @ thing.at(t)[:3, :3].T + thing.at(t)[:3, 3] for t in np.linspace(0.0, 10.0, 601)])
         assert np.linalg.norm(np.diff(places, axis=0), axis=2).max() < 0.005  # metres a frame of 1/60 s

@@ -43,9 +43,7 @@ def _triangles(scene: Scene, words: tuple[str, ...]) -> np.ndarray:
 def test_print_is_near_every_route(scene: Scene, split: str) -> None:
     """From each route's middle at least 4 square metres of print are within 6 m."""
     corners = _triangles(scene, _PRINT)
-    area = 0.5 * np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     for route in routes_of(scene, split):
         eye = np.asarray(route.points, np.float64).mean(axis=0)
         near = np.linalg.norm(corners.mean(axis=1) - eye, axis=1) < 6.0

@@ -56,9 +56,7 @@ def test_rooms_are_convex_but_for_mouldings(scene: Scene) -> None:
     outward = np.stack([np.sin(angles), np.cos(angles)], 1)
     reach = ((low[:, [0, 2]] - CHAMBER) @ outward.T).max(axis=1)
     assert not (reach < APOTHEM - RELIEF - 1e-3).any()
-    assert (
-        (np.abs(points[:, [0, 2]]) < np.array(HALF) - RELIEF).all(axis=1)
-    ).any()  # the floor's lines are in it
+    assert ((np.abs(points[:, [0, 2]]) < np.array(HALF) - RELIEF).all(axis=1)).any()  # the floor's lines are in it
 
 
 @pytest.mark.parametrize("split", SPLITS)

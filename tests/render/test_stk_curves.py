@@ -28,9 +28,7 @@ def stepped(seconds: float) -> float:
     return 2.0 if seconds < 1.0 else 10.0
 
 
-@pytest.mark.parametrize(
-    ("interpolation", "truth"), [("bezier", bernstein), ("linear", straight), ("const", stepped)]
-)
+@pytest.mark.parametrize(("interpolation", "truth"), [("bezier", bernstein), ("linear", straight), ("const", stepped)])
 def test_interpolations_agree_with_scipy(interpolation: str, truth: Callable[[float], float]) -> None:
     one = curve(interpolation)
     for seconds in np.linspace(0.0, 2.99, 41):

@@ -45,6 +45,4 @@ def test_clear_texels_take_the_colour_of_the_rest(tmp_path: Path) -> None:
 
 
 def test_linear_light_of_known_srgb_values() -> None:
-    np.testing.assert_allclose(
-        linear(np.array([0.0, 0.04, 0.5, 1.0])), [0.0, 0.04 / 12.92, 0.2140411, 1.0], rtol=1e-5
-    )
+    np.testing.assert_allclose(linear(np.array([0.0, 0.04, 0.5, 1.0])), [0.0, 0.04 / 12.92, 0.2140411, 1.0], rtol=1e-5)

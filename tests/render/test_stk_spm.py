@@ -67,9 +67,7 @@ def test_every_combination_of_fields_comes_back_as_it_was_written(
         else:
             assert buffer.uv is None
         if colors:
-            np.testing.assert_array_equal(
-                buffer.colors, np.array([v.color or (255, 255, 255) for v in vertices])
-            )
+            np.testing.assert_array_equal(buffer.colors, np.array([v.color or (255, 255, 255) for v in vertices]))
         else:
             assert buffer.colors is None
 

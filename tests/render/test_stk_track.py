@@ -87,9 +87,7 @@ def test_libraries_details_and_conditions(tmp_path: Path) -> None:
 
 def test_models_are_shared_and_animated_objects_move(tmp_path: Path) -> None:
     curve = '<curve channel="LocY" interpolation="linear" extend="cyclic"><p c="1 0"/><p c="26 10"/></curve>'
-    track = write_track(
-        tmp_path, "lane", f'<object model="a.spm"/><object model="a.spm" xyz="0 7 0">{curve}</object>'
-    )
+    track = write_track(tmp_path, "lane", f'<object model="a.spm"/><object model="a.spm" xyz="0 7 0">{curve}</object>')
     write_mesh(track / "a.spm", "", (128, 128, 128))
     scene = load_track("lane", tmp_path)
     still, moving = scene.objects
@@ -173,9 +171,7 @@ def test_an_arena_walks_over_its_navigation_mesh(tmp_path: Path) -> None:
             near = " ".join(str(r * cells + c) for r, c in around if 0 <= r < cells and 0 <= c < cells)
             indices = f"{first} {first + 1} {first + side + 1} {first + side}"
             faces.append(f'<face indices="{indices}" adjacents="{near}"/>')
-    (track / "navmesh.xml").write_text(
-        f"<navmesh><vertices>{''.join(points)}</vertices>{''.join(faces)}</navmesh>"
-    )
+    (track / "navmesh.xml").write_text(f"<navmesh><vertices>{''.join(points)}</vertices>{''.join(faces)}</navmesh>")
     routes = load_track("hall", tmp_path).routes
     assert len(routes) >= 8
     for route in routes:

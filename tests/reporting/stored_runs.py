@@ -31,9 +31,7 @@ class Log:
         self.client = MlflowClient(self.uri)
         self.experiment = self.client.create_experiment("supersampling", (folder / "artifacts").as_uri())
 
-    def run(
-        self, model: str, psnr: float, name: str, status: str = "FINISHED", clips: int = 4, **other: Any
-    ) -> str:
+    def run(self, model: str, psnr: float, name: str, status: str = "FINISHED", clips: int = 4, **other: Any) -> str:
         params = {"model": model, "task.scale": 4, "task.mip_bias": "matched", "data": "laptop"}
         params["data.scenes"] = ",".join(SCENES)
         if model == "dlctus":
@@ -49,9 +47,7 @@ class Log:
         run = self.client.create_run(self.experiment, run_name=name, tags=tags).info.run_id
         frames = _frames(psnr, clips, int(params.get("seed", 0)))
         table = (
-            frames.groupby(["scene", "clip"], sort=False)[
-                ["psnr", "ssim", "mssim_thesis", "spatial", "temporal"]
-            ]
+            frames.groupby(["scene", "clip"], sort=False)[["psnr", "ssim", "mssim_thesis", "spatial", "temporal"]]
             .mean()
             .reset_index()
         )
@@ -111,12 +107,8 @@ def _frames(psnr: float, clips: int, seed: int) -> pd.DataFrame:
             for frame in range(12):
                 p = psnr + hardness + rng.normal(scale=0.2) + 2 * min(frame, 6) / 6 - 1.5
                 ssim = 1 - 10 ** (-p / 30)
-                rows.append(
-                    (scene, clip, frame, p, ssim, ssim - 0.02, 10 ** (-p / 20), 0.3 * 10 ** (-p / 20))
-                )
-    return pd.DataFrame(
-        rows, columns=["scene", "clip", "frame", "psnr", "ssim", "mssim_thesis", "spatial", "temporal"]
-    )
+                rows.append((scene, clip, frame, p, ssim, ssim - 0.02, 10 ** (-p / 20), 0.3 * 10 ** (-p / 20)))
+    return pd.DataFrame(rows, columns=["scene", "clip", "frame", "psnr", "ssim", "mssim_thesis", "spatial", "temporal"])
 
 
 def config(log: Log, output: Path, **more: Any) -> DictConfig:
@@ -132,9 +124,7 @@ def ours(report: Path, table: int) -> pd.DataFrame:
 def mean_of(log: Log, metric: str, names: tuple[str, ...]) -> float:
     """The truth of a cell, by hand: mean over the named runs of the mean over their clips."""
     runs = log.client.search_runs([log.experiment])
-    paths = [
-        log.client.download_artifacts(r.info.run_id, "clips.json") for r in runs if r.info.run_name in names
-    ]
+    paths = [log.client.download_artifacts(r.info.run_id, "clips.json") for r in runs if r.info.run_name in names]
     assert len(paths) == len(names)
     tables = [json.loads(Path(path).read_text()) for path in paths]
     return float(np.mean([[row[t["columns"].index(metric)] for row in t["data"]] for t in tables]))

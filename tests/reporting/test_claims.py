@@ -220,9 +220,7 @@ def test_sides_that_are_the_same_runs_decide_nothing() -> None:
 
 def test_what_is_printed() -> None:
     gains = dict(zip(SCENES, (0.9, 1.1, 1.0, 1.2, 0.8, 1.0)))
-    found = judged(
-        claim(published=-0.26, needs="Ours has no text"), PAIR, {"late": clips(gains), "early": clips(0.0)}
-    )
+    found = judged(claim(published=-0.26, needs="Ours has no text"), PAIR, {"late": clips(gains), "early": clips(0.0)})
     (row,) = rows([found], {"late": "R1", "early": "R2"})
     assert row["published"] == "−0.26 dB"
     assert row["ours"] == "+1.00 dB"

@@ -70,9 +70,7 @@ def test_each_is_stated(name):
 def test_those_of_the_papers_agree_with_them():
     for path in (ROOT / "reports" / "published").glob("*.yaml"):
         for metric in load_paper(path).metrics.values():
-            if (
-                metric.ours is not None and "/" not in metric.ours
-            ):  # the rest is never measured, or logged by runs
+            if metric.ours is not None and "/" not in metric.ours:  # the rest is never measured, or logged by runs
                 assert better(metric.ours) == metric.better, (path.name, metric.ours)
 
 

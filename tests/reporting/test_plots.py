@@ -29,9 +29,7 @@ def frames(level: float) -> pd.DataFrame:
 
 
 FRAMES = {one.id: frames(20.0 + index) for index, one in enumerate(RUNS)}
-CLIPS = {
-    name: table.groupby(["scene", "clip"])["psnr"].mean().reset_index() for name, table in FRAMES.items()
-}
+CLIPS = {name: table.groupby(["scene", "clip"])["psnr"].mean().reset_index() for name, table in FRAMES.items()}
 BOTH = [
     Series("NSRR", {"model": "nsrr"}),
     Series("DLCTUS", {"model": "dlctus"}),
@@ -87,9 +85,7 @@ def test_frames_are_means_over_clips() -> None:
         ("front", "model/parameters"),
     ],
 )
-def test_every_kind_is_drawn_the_same_twice_and_says_what_is_missing(
-    tmp_path: Path, kind: str, x: str | None
-) -> None:
+def test_every_kind_is_drawn_the_same_twice_and_says_what_is_missing(tmp_path: Path, kind: str, x: str | None) -> None:
     found = chosen(figure(kind, x))
     assert found.missing == ["none"]
     assert all(plots.draw(found, CLIPS, FRAMES, "PSNR (dB)", tmp_path / name) for name in ("a.pdf", "b.pdf"))

@@ -44,9 +44,7 @@ def paper() -> Paper:
     return load_paper(FILE)
 
 
-@pytest.mark.parametrize(
-    ("number", "text"), [("2", TABLE_2), ("13", TABLE_13), ("14", TABLE_14), ("16", TABLE_16)]
-)
+@pytest.mark.parametrize(("number", "text"), [("2", TABLE_2), ("13", TABLE_13), ("14", TABLE_14), ("16", TABLE_16)])
 def test_psnr_and_ssim_tables(paper: Paper, number: str, text: str) -> None:
     table = next(table for table in paper.tables if table.number == number)
     lines = [line.split() for line in text.strip().splitlines()]
@@ -93,9 +91,7 @@ def _set(raw: Any, path: tuple[Any, ...], value: Any) -> None:
         (("tables", 0, "rows"), [], "not empty"),
     ],
 )
-def test_a_wrong_file_is_told_with_its_place(
-    tmp_path: Path, path: tuple[Any, ...], value: Any, told: str
-) -> None:
+def test_a_wrong_file_is_told_with_its_place(tmp_path: Path, path: tuple[Any, ...], value: Any, told: str) -> None:
     raw = yaml.safe_load(FILE.read_text(encoding="utf-8"))
     _set(raw, path, value)
     wrong = tmp_path / "wrong.yaml"

@@ -111,9 +111,7 @@ def read(name: str) -> Paper:
 def grids(paper: Paper, number: str) -> list[list[list[list[float | None]]]]:
     """``grid[row][column][metric]`` of each table of that number, parts of one (``5b``) included."""
     return [
-        [row.values for row in table.rows]
-        for table in paper.tables
-        if re.fullmatch(rf"{number}(\D.*)?", table.number)
+        [row.values for row in table.rows] for table in paper.tables if re.fullmatch(rf"{number}(\D.*)?", table.number)
     ]
 
 

@@ -148,9 +148,7 @@ def compare(made: list[Grid], block: list[list[float]]) -> None:
     if total != expected:  # in thousandths of the unit
         made = [[[[round(1000 * x, 6) for x in cell] for cell in row] for row in grid] for grid in made]
         thousand = Counter(x for grid in made for row in grid for cell in row for x in cell)
-        assert thousand == expected, (
-            f"second transcription alone: {expected - total}; file alone: {total - expected}"
-        )
+        assert thousand == expected, f"second transcription alone: {expected - total}; file alone: {total - expected}"
     lines = [line for grid in made for line in lines_of(grid)]
     for line in block:
         assert any(Counter(line) <= have for have in lines), f"no row or column holds {line}"

@@ -102,9 +102,7 @@ def test_a_table_without_a_sweep(tmp_path: Path) -> None:
         (("claims", 0, "a"), {"model": ["a"]}, "run parameters"),
     ],
 )
-def test_a_wrong_entry_is_told_with_its_place(
-    tmp_path: Path, place: tuple[Any, ...], value: Any, told: str
-) -> None:
+def test_a_wrong_entry_is_told_with_its_place(tmp_path: Path, place: tuple[Any, ...], value: Any, told: str) -> None:
     raw = copy.deepcopy(SMALL)
     at: Any = raw
     for key in place[:-1]:

@@ -20,9 +20,7 @@ def test_a_cell_is_the_mean_over_clips_and_seeds(report: Path, log: Log) -> None
     assert cell.seeds == 3
     assert cell.clips == 12
     assert cell.published == 35.49
-    assert table.loc["4×4/1", "DLCTUS", "SSIM"].ours == pytest.approx(
-        mean_of(log, "mssim_thesis", seeds), abs=1e-9
-    )
+    assert table.loc["4×4/1", "DLCTUS", "SSIM"].ours == pytest.approx(mean_of(log, "mssim_thesis", seeds), abs=1e-9)
 
 
 def test_what_was_not_run_or_lacks_is_said(report: Path) -> None:

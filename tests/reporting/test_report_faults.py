@@ -94,9 +94,7 @@ def test_a_store_that_goes_away_half_way_leaves_cells_without_intervals_and_says
     monkeypatch.setattr(MlflowClient, "get_metric_history", no_history)
     write_report(config(log, tmp_path, paper=None))
     assert "clips.json could not be downloaded (Connection refused)" in words(tmp_path)
-    assert "Connection refused" in " ".join(
-        page.extract_text() for page in PdfReader(tmp_path / "overview.pdf").pages
-    )
+    assert "Connection refused" in " ".join(page.extract_text() for page in PdfReader(tmp_path / "overview.pdf").pages)
 
 
 def test_a_store_that_gives_nothing_at_all_is_an_error(

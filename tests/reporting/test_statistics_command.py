@@ -85,9 +85,7 @@ def command(store: tuple[str, dict[str, str]], capsys: pytest.CaptureFixture[str
 def test_seeds_are_one_row(command, store):
     printed = command("a=dlctus", "b=tus")
     ids = store[1]
-    assert (
-        f"a: dlctus theta=0.1, seeds 0, 1, 2, runs {' '.join(ids[f's{i}'][:8] for i in range(3))}" in printed
-    )
+    assert f"a: dlctus theta=0.1, seeds 0, 1, 2, runs {' '.join(ids[f's{i}'][:8] for i in range(3))}" in printed
     assert f"b: tus, not trained, run {ids['tus'][:8]}" in printed
     rows = {line.split()[0]: line for line in printed.splitlines() if line}
     assert rows["psnr"].count("±") == 2
@@ -113,17 +111,13 @@ def test_an_evaluation_stands_beside_a_job(command, store):
 
 @pytest.mark.parametrize("start", ["95e41234", "3e7", "12345678", "0e12", "1_000"])
 def test_beginnings_of_ids_that_look_like_numbers_stay_as_typed(command, start):
-    with pytest.raises(
-        UserError, match=f"a='{start}' is no finished run or method: choose one of dlctus, tus, or"
-    ):
+    with pytest.raises(UserError, match=f"a='{start}' is no finished run or method: choose one of dlctus, tus, or"):
         command(f"a={start}", "b=tus")
 
 
 def test_so_do_those_of_fingerprints(command):
     assert "dlctus is better" in command("a=dlctus", "b=tus", "dataset=4e12")
-    with pytest.raises(
-        UserError, match="dataset='5e12' names no data set of the experiment: choose one of 4e12aaaa"
-    ):
+    with pytest.raises(UserError, match="dataset='5e12' names no data set of the experiment: choose one of 4e12aaaa"):
         command("a=dlctus", "b=tus", "dataset=5e12")
 
 

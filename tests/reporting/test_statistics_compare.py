@@ -27,9 +27,7 @@ def names(groups: list[Group]) -> list[list[str]]:
 
 def test_runs_that_differ_in_seed_alone_are_one_group():
     runs = [run(f"s{seed}", seed=seed, budget="laptop", loss="l1") for seed in (2, 0, 10)]
-    assert names(seed_groups([*runs, run("again", 1, seed=0, budget="laptop", loss="l1")])) == [
-        ["again", "s2", "s10"]
-    ]
+    assert names(seed_groups([*runs, run("again", 1, seed=0, budget="laptop", loss="l1")])) == [["again", "s2", "s10"]]
 
 
 @pytest.mark.parametrize(
@@ -126,9 +124,7 @@ def tables() -> dict[str, pd.DataFrame]:
 
     def of(gain: float, scatter: float) -> pd.DataFrame:
         psnr = hard + gain + rng.normal(0, scatter, 36)
-        return table(
-            psnr, temporal=10 ** (-psnr / 20), ssim=hard / 50, secret=psnr, spatial=rng.normal(0, 1, 36)
-        )
+        return table(psnr, temporal=10 ** (-psnr / 20), ssim=hard / 50, secret=psnr, spatial=rng.normal(0, 1, 36))
 
     return {"d0": of(0.9, 0.2), "d1": of(1.1, 0.2), "t0": of(0, 0.2)}
 
@@ -194,10 +190,7 @@ def test_two_runs_of_one_method_are_told_apart():
     found = tables()
     found["d1"]["psnr"] += 3
     found["dt"] = found["d0"]
-    assert (
-        compare(Group(A.setting, RUNS[2:3]), other, found, ["psnr"])[0].verdict
-        == "dlctus theta=0.1 is better"
-    )
+    assert compare(Group(A.setting, RUNS[2:3]), other, found, ["psnr"])[0].verdict == "dlctus theta=0.1 is better"
     assert compare(one, other, found, ["psnr"])[0].verdict == "b is better"
 
 

@@ -76,9 +76,7 @@ def test_the_newest_finished_run_is_taken(table, tmp_path):
     store = Store(uri, tmp_path / "read")
     assert sheets(store, experiment) == []
     for k, status in enumerate(("FINISHED", "FINISHED", "FAILED")):
-        run = client.create_run(
-            experiment, tags={"ss.kind": "stress", "ss.machine": f"machine {k}"}
-        ).info.run_id
+        run = client.create_run(experiment, tags={"ss.kind": "stress", "ss.machine": f"machine {k}"}).info.run_id
         kept = table if k != 1 else table.astype(object).where(table.notna(), math.nan).head(5)
         client.log_table(run, kept, "stress.json")
         client.set_terminated(run, status, end_time=1000 + k)

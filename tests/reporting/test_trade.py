@@ -50,9 +50,7 @@ def benchmark(log: Log, timings: list[Timing], **tables: pd.DataFrame) -> None:
 def trained(log: Log) -> None:
     for method, (psnr, _) in METHODS.items():
         for seed in range(2 if method == "dlctus" else 1):
-            run = log.run(
-                method, psnr, f"{method} {seed} x4", params={"seed": seed} if method == "dlctus" else {}
-            )
+            run = log.run(method, psnr, f"{method} {seed} x4", params={"seed": seed} if method == "dlctus" else {})
             log.client.log_text(run, f"model: {{_target_: {method}}}\ntask: {{scale: 4}}\n", "config.yaml")
 
 
@@ -82,8 +80,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     keys = ["method", "architecture", "width", "height", "backend", "precision", "machine"]
     same = {key: getattr(made("dlctus", "eager"), key) for key in keys}
     stages = [
-        {**same, "part": p, "kind": "Sequential", "ms": ms, "low": ms, "high": ms, "share": s}
-        for p, ms, s in parts
+        {**same, "part": p, "kind": "Sequential", "ms": ms, "low": ms, "high": ms, "share": s} for p, ms, s in parts
     ]
     benchmark(log, timings, stages=pd.DataFrame(stages), precision=losses("dlctus", 0.3))
     output = tmp_path_factory.mktemp("out")
@@ -154,9 +151,7 @@ def test_a_store_without_benchmarks_says_so_in_one_line(tmp_path: Path) -> None:
     assert not list((tmp_path / "out").glob("*trade*"))
 
 
-def test_a_broken_benchmark_is_told_and_the_rest_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_broken_benchmark_is_told_and_the_rest_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = Log(tmp_path)
     trained(log)
     benchmark(log, [made(m, "eager", ms=ms) for m, (_, ms) in METHODS.items()])
@@ -189,9 +184,7 @@ def crowd() -> Trade:
         ms, mean = (20.0, 30.0) if k < 3 else (float(10 ** rng.uniform(0.5, 3)), float(rng.uniform(25, 33)))
         name = f"method_{k} with stage=other"
         one = Run(name, name, name, "d", name, "m", "1", 0, {"model": name}, {})
-        found.append(
-            Candidate(name, (one,), Estimate(mean, mean - 1, mean + 1, 9, 9), made(name, "eager", ms=ms))
-        )
+        found.append(Candidate(name, (one,), Estimate(mean, mean - 1, mean + 1, 9, 9), made(name, "eager", ms=ms)))
     return Trade(found, [c.timing for c in found], pd.DataFrame(), [], {})
 
 

@@ -45,9 +45,7 @@ def test_a_time(ask: Ask, capsys: pytest.CaptureFixture[str]) -> None:
     assert "640x360 on cpu" in said
 
 
-@pytest.mark.parametrize(
-    ("db", "chosen"), [(0.0, "float32"), (0.3, "float32"), (0.36, "float32"), (0.6, "int8")]
-)
+@pytest.mark.parametrize(("db", "chosen"), [(0.0, "float32"), (0.3, "float32"), (0.36, "float32"), (0.6, "int8")])
 def test_a_loss_counts_what_int8_costs(ask: Ask, db: float, chosen: str) -> None:
     """Of dlctus, whose int8 loses 0.345 dB, with an interval down to 0.42."""
     answer = pick_command(ask(**{"pick.db": db}))

@@ -34,12 +34,8 @@ def test_low_and_high_resolution_pixels_line_up():
 
 def test_every_panel_is_on_the_sheet_once_and_unchanged():
     colours = [(40 * k + 20, 7, 90 + k) for k in range(5)]
-    panels = [
-        Panel(f"buffer {k}", "0 to 1", np.full((10, 20, 3), c, dtype=np.uint8)) for k, c in enumerate(colours)
-    ]
-    sheet = compose(
-        "heading", [Section("a", panels[:3]), Section("none", []), Section("b", panels[3:])], (40, 20), 2
-    )
+    panels = [Panel(f"buffer {k}", "0 to 1", np.full((10, 20, 3), c, dtype=np.uint8)) for k, c in enumerate(colours)]
+    sheet = compose("heading", [Section("a", panels[:3]), Section("none", []), Section("b", panels[3:])], (40, 20), 2)
     assert sheet.shape[0] % 2 == sheet.shape[1] % 2 == 0
     for colour in colours:
         rows, columns = np.nonzero((sheet == colour).all(axis=2))
@@ -49,9 +45,7 @@ def test_every_panel_is_on_the_sheet_once_and_unchanged():
 
 
 def test_long_labels_stay_in_their_column():
-    long = Panel(
-        "a title that is far too long for its panel", "word " * 40 + "w" * 80, np.zeros((8, 8, 3), np.uint8)
-    )
+    long = Panel("a title that is far too long for its panel", "word " * 40 + "w" * 80, np.zeros((8, 8, 3), np.uint8))
     sheet = compose("a heading that is far too long as well " * 3, [Section("", [long])], (80, 80), 1)
     assert (sheet[:, 94:] == GROUND).all()
 

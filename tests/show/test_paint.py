@@ -46,9 +46,7 @@ def test_motion_that_fills_the_scale_never_wraps_around():
     """Every channel is continuous in direction; a value that rounds below 0 would turn up as 255."""
     angle = np.linspace(0.0, 2.0 * np.pi, 20001)
     for full in (0.19, 1.0, 33.3):
-        picture = paint.motion(
-            full * np.stack((np.cos(angle), np.sin(angle))).astype(np.float32)[:, None], full
-        )
+        picture = paint.motion(full * np.stack((np.cos(angle), np.sin(angle))).astype(np.float32)[:, None], full)
         assert np.abs(np.diff(picture[0].astype(int), axis=0)).max() <= 2
 
 

@@ -22,9 +22,7 @@ def test_lighting_is_radiance_without_emission_over_material():
 def test_a_perfect_output_is_presented_as_the_display_of_the_target():
     torch.manual_seed(0)
     clip = {"target_radiance": 3.0 * light(2, 4, 3, 6, 6)}
-    clip["high_emission"] = clip["target_radiance"] * (
-        light(2, 4, 1, 6, 6) > 0.8
-    )  # sky: all of it passes beside
+    clip["high_emission"] = clip["target_radiance"] * (light(2, 4, 1, 6, 6) > 0.8)  # sky: all of it passes beside
     clip["high_material"] = light(2, 4, 3, 6, 6, low=0.05) * (clip["high_emission"] == 0)
     for stage in (Demodulated(), LoggedLighting(), Radiance()):
         given = {name: clip[name] for name in stage.compares}

@@ -39,9 +39,7 @@ def test_compensation_finds_the_unjittered_motion_of_a_moved_plane():
     for i in range(h):
         for j in range(w):
             sample = torch.tensor([j + 0.5, i + 0.5]) + jitter[0]
-            index_before = (
-                sample - velocity - previous[0]
-            )  # of the pixel (centre) that took this point before
+            index_before = sample - velocity - previous[0]  # of the pixel (centre) that took this point before
             seen[0, :, i, j] = (index_before - torch.tensor([j + 0.5, i + 0.5])) / torch.tensor([w, h])
     expected = (-velocity / torch.tensor([w, h])).view(1, 2, 1, 1).expand(1, 2, h, w)
     torch.testing.assert_close(compensate_jitter(seen, jitter, previous), expected)
@@ -116,9 +114,7 @@ def stubbed(answer, network="raft_small", weights="C_T_V2", updates=3):
 
 
 def constant(x, y):
-    return (
-        lambda first, second: torch.tensor([x, y]).view(1, 2, 1, 1).expand(len(first), 2, *first.shape[-2:])
-    )
+    return lambda first, second: torch.tensor([x, y]).view(1, 2, 1, 1).expand(len(first), 2, *first.shape[-2:])
 
 
 def searched(first, second):
@@ -145,9 +141,7 @@ def test_raft_s_flow_is_from_now_to_before_in_pixels(raft, h, w, factor):
     assert max(h, w) * factor <= max(first.shape[-2:])
 
 
-@pytest.mark.parametrize(
-    ("h", "w", "factor"), [(131, 201, 1), (24, 33, 4), (1, 3, 43), (5, 1, 26), (140, 2, 1)]
-)
+@pytest.mark.parametrize(("h", "w", "factor"), [(131, 201, 1), (24, 33, 4), (1, 3, 43), (5, 1, 26), (140, 2, 1)])
 def test_raft_s_flow_is_cut_out_where_the_image_was_put(raft, h, w, factor):
     """A flow that is the image's own values comes back at their places: means of enlarged pixels."""
     torch.manual_seed(0)
@@ -201,9 +195,7 @@ def test_raft_is_torchvision_s_with_the_file_s_weights(raft, raft_home):
     color, other, still = torch.rand(1, 3, 128, 136), torch.rand(1, 3, 128, 136), torch.zeros(1, 2)
     network = torchvision.models.optical_flow.raft_small(weights=None).eval()
     entry = torchvision.models.optical_flow.Raft_Small_Weights.C_T_V2
-    network.load_state_dict(
-        torch.load(raft_home / "hub" / "checkpoints" / entry.url.split("/")[-1], weights_only=True)
-    )
+    network.load_state_dict(torch.load(raft_home / "hub" / "checkpoints" / entry.url.split("/")[-1], weights_only=True))
     with torch.no_grad():
         expected = network(*entry.transforms()(color, other), num_flow_updates=4)[-1]
     found = RAFT("raft_small", "C_T_V2", 4)(Frame(color=color, jitter=still), (other, still))
@@ -218,9 +210,7 @@ def test_raft_s_missing_weights_are_named(monkeypatch, tmp_path):
     monkeypatch.setattr(torch.hub, "download_url_to_file", offline)
     monkeypatch.setenv("TORCH_HOME", str(tmp_path))
     path = f"{tmp_path}/hub/checkpoints/raft_large_C_T_SKHT_V2-ff5fadd5.pth"
-    with pytest.raises(
-        UserError, match=f"no route to host.*C_T_SKHT_V2-ff5fadd5.pth at {path}, or use .*tvl1"
-    ):
+    with pytest.raises(UserError, match=f"no route to host.*C_T_SKHT_V2-ff5fadd5.pth at {path}, or use .*tvl1"):
         RAFT("raft_large", "C_T_SKHT_V2", 12)
 
 

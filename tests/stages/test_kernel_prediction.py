@@ -117,9 +117,7 @@ def test_precomputed_kernels_are_those_of_the_jitter(name):
     for k in (3, 15, 0):
         with torch.no_grad():
             for made, expected in zip(table(sequence[k : k + 1]), stage(sequence[k : k + 1])):
-                torch.testing.assert_close(
-                    made, expected, rtol=1e-5, atol=1e-6
-                )  # single precision, other batch sizes
+                torch.testing.assert_close(made, expected, rtol=1e-5, atol=1e-6)  # single precision, other batch sizes
 
 
 def test_a_precomputed_kernel_is_that_of_the_nearest_jitter():

@@ -15,9 +15,7 @@ JITTERS = torch.tensor([[0.3, -0.4], [-0.45, 0.1], [0.15, 0.45], [-0.2, -0.3]], 
 SLIDE = (lambda x, y: (x - 0.7, y + 1.2), "slide")
 ZOOM = (lambda x, y: (15 + (x - 15) / 1.06 - 0.4, 12 + (y - 12) / 1.06), "zoom")
 STILL = (lambda x, y: (x, y), "still")
-MOTIONS = pytest.mark.parametrize(
-    "before", [m[0] for m in (SLIDE, ZOOM, STILL)], ids=["slide", "zoom", "still"]
-)
+MOTIONS = pytest.mark.parametrize("before", [m[0] for m in (SLIDE, ZOOM, STILL)], ids=["slide", "zoom", "still"])
 
 
 def centres(h=H, w=W):

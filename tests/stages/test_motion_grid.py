@@ -66,9 +66,9 @@ def test_without_dilation_motion_is_interpolated_between_pixel_centres():
             top, left = int(y), int(x)
             below, right = min(top + 1, 3), min(left + 1, 2)
             fy, fx = y - top, x - left
-            expected = (1 - fy) * (
-                (1 - fx) * motion[0, :, top, left] + fx * motion[0, :, top, right]
-            ) + fy * ((1 - fx) * motion[0, :, below, left] + fx * motion[0, :, below, right])
+            expected = (1 - fy) * ((1 - fx) * motion[0, :, top, left] + fx * motion[0, :, top, right]) + fy * (
+                (1 - fx) * motion[0, :, below, left] + fx * motion[0, :, below, right]
+            )
             torch.testing.assert_close(grid[0, :, i, j], expected)
 
 

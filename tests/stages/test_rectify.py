@@ -27,9 +27,7 @@ def rectify_by_loops(history, color, into, back, clip):
                 for _ in range(60 if inside == 0.0 else 0):
                     middle = 0.5 * (inside + beyond)
                     point = mean + middle * (old - mean)
-                    inside, beyond = (
-                        (middle, beyond) if ((point >= low) & (point <= high)).all() else (inside, middle)
-                    )
+                    inside, beyond = (middle, beyond) if ((point >= low) & (point <= high)).all() else (inside, middle)
                 result[:, i, j] = mean + inside * (old - mean)
             else:
                 result[:, i, j] = torch.minimum(torch.maximum(old, low), high)

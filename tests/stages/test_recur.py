@@ -56,9 +56,7 @@ def test_the_previous_output_arrives_warped_and_in_low_resolution_channels():
 def test_a_clip_begins_with_zeros():
     recur, shallow = stage(Recurrent), numbers(2, 3, 4, 6)
     still = torch.zeros(2, 2, 8, 12, dtype=torch.float64)
-    zeros = tuple(
-        torch.zeros(2, c, *s, dtype=torch.float64) for c, s in ((3, (8, 12)), (2, (4, 6)), (2, (4, 6)))
-    )
+    zeros = tuple(torch.zeros(2, c, *s, dtype=torch.float64) for c, s in ((3, (8, 12)), (2, (4, 6)), (2, (4, 6))))
     begun, explicit = recur(shallow, still, ()), recur(shallow, still, zeros)
     assert torch.equal(begun[0], explicit[0])
     output = numbers(2, 3, 8, 12)

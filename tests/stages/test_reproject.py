@@ -39,9 +39,7 @@ def reproject_by_loops(name, history, motion):
                         continue
                     weight = kernel(name, x - column) * kernel(name, y - row)
                     total += weight
-                    value += (
-                        weight * history[0, :, min(max(row, 0), height - 1), min(max(column, 0), width - 1)]
-                    )
+                    value += weight * history[0, :, min(max(row, 0), height - 1), min(max(column, 0), width - 1)]
             result[0, :, i, j] = value / total
     return result
 

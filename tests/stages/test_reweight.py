@@ -23,9 +23,7 @@ def test_every_channel_of_a_frame_is_multiplied_by_that_frame_s_weight():
             for j in range(5):
                 e = torch.exp(-2.0 * x[k, i, j])
                 weight = 10.0 / (1.0 + e)  # 5 (tanh x + 1)
-                torch.testing.assert_close(
-                    out[0, k, :, i, j], past[0, k, :, i, j] * weight, rtol=1e-12, atol=0
-                )
+                torch.testing.assert_close(out[0, k, :, i, j], past[0, k, :, i, j] * weight, rtol=1e-12, atol=0)
     assert torch.equal(stage(torch.cat((current[:, :4], torch.rand(1, 3, 4, 5)), 1), past), out)
 
 

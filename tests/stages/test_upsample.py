@@ -29,9 +29,7 @@ def test_bilinear_upsampling_gives_a_plane_back(scale):
     big_x = (torch.arange(w * scale, dtype=torch.float64) + 0.5) / scale
     out = BilinearUpsampling()((2.0 * x - 3.0 * y)[None, None], jitter, scale)
     inner = slice(scale, -scale)
-    torch.testing.assert_close(
-        out[0, 0, inner, inner], (2.0 * big_x - 3.0 * big_y)[inner, inner], rtol=0, atol=1e-12
-    )
+    torch.testing.assert_close(out[0, 0, inner, inner], (2.0 * big_x - 3.0 * big_y)[inner, inner], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("stage", [ZeroUpsampling(), BilinearUpsampling()])

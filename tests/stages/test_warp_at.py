@@ -114,9 +114,7 @@ def test_whole_pixels_of_low_resolution_are_one_to_both():
     shown = []
     for stage in STAGES:
         window = stage.enter(features, jitter, 4, ZeroUpsampling())
-        shown.append(
-            stage.leave(stage(stage.keep(window, jitter), motion, jitter), jitter, 4, ZeroUpsampling())
-        )
+        shown.append(stage.leave(stage(stage.keep(window, jitter), motion, jitter), jitter, 4, ZeroUpsampling()))
     torch.testing.assert_close(shown[0], shown[1], rtol=0, atol=1e-11)
     first = math.floor((0.5 + float(jitter[0, 0])) * 4), math.floor((0.5 + float(jitter[0, 1])) * 4)
     torch.testing.assert_close(shown[0][0, :, 2 * 4 + first[1], 4 + first[0]], features[0, :, 1, 3])

@@ -94,10 +94,7 @@ class Mixes(Plain):
 
 
 def cells(model, extreme, *names):
-    return {
-        c.precision: c
-        for c in cells_of("m", model, BY_NAME[extreme], [PRECISIONS[n] for n in names], SIZE, "cpu")
-    }
+    return {c.precision: c for c in cells_of("m", model, BY_NAME[extreme], [PRECISIONS[n] for n in names], SIZE, "cpu")}
 
 
 def test_a_plain_model_holds():
@@ -175,9 +172,7 @@ def test_int8_and_what_does_not_fit_say_why(monkeypatch):
     found = list(quantised.int8_cells("m", Plain(), extremes, SIZE))
     assert [c.extreme for c in found] == ["colour/white", "scale/3"]
     assert {(c.verdict, c.why, c.precision) for c in found} == {("not tried", "cpu has no int8", "int8")}
-    (cell,) = cells_of(
-        "m", Plain(), BY_NAME["size/8K input"], [PRECISIONS["float32"]], SIZE, "cpu", "too large"
-    )
+    (cell,) = cells_of("m", Plain(), BY_NAME["size/8K input"], [PRECISIONS["float32"]], SIZE, "cpu", "too large")
     assert (cell.verdict, cell.why, cell.size) == ("not tried", "too large", "7680x4320")
 
 

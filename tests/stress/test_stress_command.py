@@ -39,9 +39,7 @@ def test_a_table_is_logged_and_printed(entry, given, tmp_path, capsys):
     assert {row["model"] for row in rows} == {"jau", "tus model/reproject=bilinear"}
     assert {row["extreme"].split("/")[0] for row in rows} == {"motion", "gate", "recovery"}
     assert {row["verdict"] for row in rows} == {"holds"}
-    assert not any(
-        row["extreme"].startswith("motion") for row in rows if row["model"] == "jau"
-    )  # it reads none
+    assert not any(row["extreme"].startswith("motion") for row in rows if row["model"] == "jau")  # it reads none
     assert run.data.tags["ss.kind"] == "stress"
     assert run.data.tags["ss.machine"]
     assert run.info.status == "FINISHED"
@@ -54,9 +52,7 @@ def test_a_table_is_logged_and_printed(entry, given, tmp_path, capsys):
 def test_a_failed_verdict_is_shown_and_decides(entry, given, monkeypatch, tmp_path, capsys):
     strict = precision.Precision("float32", torch.float32, 1e-30, 1e-30, "")
     monkeypatch.setitem(precision.PRECISIONS, "float32", strict)
-    assert not stress_command(
-        entry("stress", *given, "models=[jau]", "extremes=[scale]", "precisions=[float32]")
-    )
+    assert not stress_command(entry("stress", *given, "models=[jau]", "extremes=[scale]", "precisions=[float32]"))
     out = capsys.readouterr().out
     assert "fails" in out
     assert "above 1e-30" in out
@@ -89,9 +85,7 @@ def test_a_precision_that_the_device_lacks(entry, given, monkeypatch):
         raise RuntimeError("not implemented for 'Half'")
 
     monkeypatch.setattr(torch.nn.Conv2d, "forward", refuse)
-    with pytest.raises(
-        UserError, match=r"precisions=float16 is not possible: cpu has no float16 convolution"
-    ):
+    with pytest.raises(UserError, match=r"precisions=float16 is not possible: cpu has no float16 convolution"):
         stress_command(entry("stress", *given, "precisions=[float16]"))
 
 
@@ -118,10 +112,7 @@ def test_trained_weights_are_tried_at_their_own_scale(entry, given, checkpoint, 
     assert stress_command(
         entry("stress", *given, f"checkpoint={checkpoint}", "extremes=[scale]", "precisions=[float32]")
     )
-    rows = [
-        dict(zip(*pair))
-        for pair in [(table_of(tmp_path)[1]["columns"], r) for r in table_of(tmp_path)[1]["data"]]
-    ]
+    rows = [dict(zip(*pair)) for pair in [(table_of(tmp_path)[1]["columns"], r) for r in table_of(tmp_path)[1]["data"]]]
     assert {row["model"] for row in rows} == {"dlctus"}
     tried = [row for row in rows if row["verdict"] == "holds"]
     assert [row["extreme"] for row in tried] == ["scale/2"]

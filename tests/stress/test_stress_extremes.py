@@ -140,9 +140,7 @@ def test_motion_that_is_no_motion():
 
 def test_jitters():
     assert of("jitter/-0.5")["jitter"].min() == -0.5
-    assert of("jitter/below 0.5")["jitter"].float().max() == torch.nextafter(
-        torch.tensor(0.5), torch.tensor(0.0)
-    )
+    assert of("jitter/below 0.5")["jitter"].float().max() == torch.nextafter(torch.tensor(0.5), torch.tensor(0.0))
     assert of("jitter/0.5")["jitter"].max() == 0.5
     assert of("jitter/3")["jitter"].abs().min() == 3
     assert of("jitter/NaN")["jitter"].isnan().all()

@@ -45,9 +45,7 @@ def test_mistakes(folder):
     ("statuses", "status", "ran"),
     [((0, 0, 0), 0, 3), ((0, 2, 1), 2, 3), ((0, 130, 0), 130, 2), ((-2, 0, 0), 130, 1)],
 )
-def test_the_first_failure_is_told_and_an_interrupt_ends_it(
-    folder, tmp_path, monkeypatch, statuses, status, ran
-):
+def test_the_first_failure_is_told_and_an_interrupt_ends_it(folder, tmp_path, monkeypatch, statuses, status, ran):
     script = tmp_path / "script.py"
     lines = [
         "import os, signal, sys",

@@ -52,14 +52,10 @@ def frame(t):
     """All buffers ``(B, C, ...)`` of time ``t``: a surface of many waves that slides, each item of the batch in its direction."""
     h, w = LOW
     velocity = torch.tensor([[0.031, -0.017], [-0.023, 0.037]], dtype=torch.float64)  # image units a frame
-    jitter = torch.tensor(
-        [[0.11 - 0.17 * t, 0.19 * t - 0.31], [0.23 * t - 0.37, 0.41 - 0.13 * t]], dtype=torch.float64
-    )
+    jitter = torch.tensor([[0.11 - 0.17 * t, 0.19 * t - 0.31], [0.23 * t - 0.37, 0.41 - 0.13 * t]], dtype=torch.float64)
 
     def surface(rows, columns, offset):
-        y, x = torch.meshgrid(
-            *(torch.arange(n, dtype=torch.float64) + 0.5 for n in (rows, columns)), indexing="ij"
-        )
+        y, x = torch.meshgrid(*(torch.arange(n, dtype=torch.float64) + 0.5 for n in (rows, columns)), indexing="ij")
         x = (x + offset[:, 0, None, None]) / columns - t * velocity[:, 0, None, None]
         y = (y + offset[:, 1, None, None]) / rows - t * velocity[:, 1, None, None]
         return x, y
@@ -148,9 +144,7 @@ def bilinear(image, motion):
     """``image`` at the previous positions, borders repeated; ``motion (B, 2, h, w)`` is upsampled."""
     height, width = image.shape[-2:]
     motion = F.interpolate(motion, (height, width), mode="bilinear", align_corners=False)
-    identity = torch.tensor([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]], dtype=image.dtype).expand(
-        len(image), -1, -1
-    )
+    identity = torch.tensor([[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]], dtype=image.dtype).expand(len(image), -1, -1)
     grid = F.affine_grid(identity, list(image.shape), align_corners=False) + 2.0 * motion.permute(0, 2, 3, 1)
     return F.grid_sample(image, grid, "bilinear", "border", align_corners=False)
 

@@ -43,22 +43,15 @@ def weights(root):
 
 def statuses(root, kind):
     client = MlflowClient(f"sqlite:///{root}/mlflow.db")
-    runs = client.search_runs(
-        [e.experiment_id for e in client.search_experiments()], f"tags.`ss.kind` = '{kind}'"
-    )
+    runs = client.search_runs([e.experiment_id for e in client.search_experiments()], f"tags.`ss.kind` = '{kind}'")
     return sorted(run.info.status for run in runs)
 
 
 def scores(root):
     """Every test value of every job, by the job's name."""
     client = MlflowClient(f"sqlite:///{root}/mlflow.db")
-    runs = client.search_runs(
-        [e.experiment_id for e in client.search_experiments()], "tags.`ss.kind` = 'job'"
-    )
-    return {
-        run.info.run_name: {k: v for k, v in run.data.metrics.items() if k.startswith("test/")}
-        for run in runs
-    }
+    runs = client.search_runs([e.experiment_id for e in client.search_experiments()], "tags.`ss.kind` = 'job'")
+    return {run.info.run_name: {k: v for k, v in run.data.metrics.items() if k.startswith("test/")} for run in runs}
 
 
 @pytest.fixture(scope="module")

@@ -119,9 +119,7 @@ def test_identity_knows_what_changes_a_result(configure):
         return identity(configure(*overrides)[0], data, learned)
 
     base = of()
-    assert base == of(
-        "workers=1", "paths.root=/elsewhere", "trainer.enable_progress_bar=true", "scene=foundry"
-    )
+    assert base == of("workers=1", "paths.root=/elsewhere", "trainer.enable_progress_bar=true", "scene=foundry")
     different = [
         of("seed=1"),
         of("loss.theta=0.2"),

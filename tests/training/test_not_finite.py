@@ -123,9 +123,7 @@ def stopped(folder, loss, validate_every=1, callbacks=None) -> Run:
     ids=["amid an epoch", "at its end", "at the end of a validated one", "amid a validated one"],
 )
 def test_it_stops_and_says_where(tmp_path, step, validate_every, value):
-    loss = Sum(
-        {"l1": L1, "broken": lambda: Breaks(step, value), "mse": MSE}, {"l1": 1, "broken": 0.5, "mse": 2}
-    )
+    loss = Sum({"l1": L1, "broken": lambda: Breaks(step, value), "mse": MSE}, {"l1": 1, "broken": 0.5, "mse": 2})
     run = stopped(tmp_path, loss, validate_every)
     said = str(run.error)
     epoch, batch = divmod(step, STEPS)
@@ -186,7 +184,5 @@ def test_every_epoch_writes_the_one_checkpoint_and_a_resumed_training_goes_on(tm
     resumed = trainer(4, moved)
     resumed.fit(training(Breaks(9 * STEPS, 1.0)), *data, ckpt_path=moved / "last.ckpt", weights_only=True)
     assert [p.name for p in moved.iterdir()] == ["last.ckpt"]
-    assert (
-        torch.load(moved / "last.ckpt", weights_only=True)["global_step"] == resumed.global_step == 4 * STEPS
-    )
+    assert torch.load(moved / "last.ckpt", weights_only=True)["global_step"] == resumed.global_step == 4 * STEPS
     assert min(set(Items.seen) - {0}) == 2 * BATCH * STEPS

@@ -4,9 +4,7 @@ from mlflow.tracking import MlflowClient
 from supersampling.training import tracking
 
 
-def test_a_store_whose_making_is_cut_short_leaves_nothing_that_the_next_start_trips_over(
-    tmp_path, monkeypatch
-):
+def test_a_store_whose_making_is_cut_short_leaves_nothing_that_the_next_start_trips_over(tmp_path, monkeypatch):
     path = tmp_path / "mlflow.db"
 
     def cut_short(client):

@@ -66,9 +66,7 @@ def clip():
 def plain_loop(model, clip, keep):
     outputs, state = [], None
     for t in range(FRAMES):
-        output, state = model(
-            Frame(**{n: clip[n][:, t] for n in ("color", "depth", "motion", "jitter")}), state
-        )
+        output, state = model(Frame(**{n: clip[n][:, t] for n in ("color", "depth", "motion", "jitter")}), state)
         outputs.append(output)
     return torch.stack(outputs[FRAMES - keep :], dim=1)
 

@@ -114,18 +114,14 @@ class Found:
             }
             for c in self.parts
         ]
-        return pd.DataFrame(
-            rows, columns=["part", "against", "kept", "round", "pairs", "db", "low", "high", "ms"]
-        )
+        return pd.DataFrame(rows, columns=["part", "against", "kept", "round", "pairs", "db", "low", "high", "ms"])
 
     def summary(self) -> dict[str, Any]:
         """One row: the answer, and what it took."""
         loss = self.answer.losses[self.answer.chosen]
         last = len(self.trainings.rungs.epochs) - 1
         seeds = self.trainings.rungs.seeds[last]
-        a_training = sum(self.steps_of(last, c) for c in range(len(self.compositions))) / len(
-            self.compositions
-        )
+        a_training = sum(self.steps_of(last, c) for c in range(len(self.compositions))) / len(self.compositions)
         spent, minutes = self.trainings.spent, self.trainings.minutes
         walk = round(self.total * seeds * a_training)
         saved = [row for row in self.buffers if not row["needed"]]

@@ -91,6 +91,4 @@ def _configured(cfg: DictConfig) -> list[str]:
 
 
 def _table(facts: dict[str, Fact]) -> pd.DataFrame:
-    return pd.DataFrame(
-        [{"fact": k, "value": f.value, "source": f.source, "about": f.about} for k, f in facts.items()]
-    )
+    return pd.DataFrame([{"fact": k, "value": f.value, "source": f.source, "about": f.about} for k, f in facts.items()])

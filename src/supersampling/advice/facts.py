@@ -82,9 +82,7 @@ def _sky(clip: Clip, scale: int) -> Iterator[float]:
 
 def _glossy(clip: Clip, scale: int) -> Iterator[float]:
     surface = clip["depth"] < 1.0
-    yield from ((clip["roughness"] < GLOSSY) & surface).sum(axis=(1, 2, 3)) / np.maximum(
-        surface.sum(axis=(1, 2, 3)), 1
-    )
+    yield from ((clip["roughness"] < GLOSSY) & surface).sum(axis=(1, 2, 3)) / np.maximum(surface.sum(axis=(1, 2, 3)), 1)
 
 
 # name: (buffers, measure of every frame, how frames are put together, what it is)

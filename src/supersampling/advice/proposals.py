@@ -38,13 +38,9 @@ def propose(space: Space, trials: int, storage: Path, name: str, attempt: Try) -
     left = trials - sum(trial.state.is_finished() for trial in study.trials)
     for _ in range(max(left, 0)):
         # Seeded by the trial's number: a search that was stopped proposes what it would have.
-        study.sampler = optuna.samplers.TPESampler(
-            seed=SEED + len(study.trials), n_startup_trials=_start(space)
-        )
+        study.sampler = optuna.samplers.TPESampler(seed=SEED + len(study.trials), n_startup_trials=_start(space))
         trial = study.ask()
-        options = space.settle(
-            {s.name: trial.suggest_categorical(s.name, list(s.options)) for s in space.switches}
-        )
+        options = space.settle({s.name: trial.suggest_categorical(s.name, list(s.options)) for s in space.switches})
         found = attempt(space.compose(options))
         if found is None:
             study.tell(trial, state=optuna.trial.TrialState.FAIL)

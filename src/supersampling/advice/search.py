@@ -101,9 +101,7 @@ def search(question: Question) -> Found:
             *contributions(space, compositions, found.values, terms.cost, places),
             *_not_searched(question, compositions[decided.chosen]),
         ],
-        buffers=buffer_rows(
-            every, chosen.model().requires, settings.size, int(chosen.cfg.task.scale), seconds
-        ),
+        buffers=buffer_rows(every, chosen.model().requires, settings.size, int(chosen.cfg.task.scale), seconds),
     )
 
 

@@ -58,9 +58,7 @@ def settings_of(cfg: DictConfig) -> Settings:
         )
     size = _whole(cfg, "size")
     if len(size) != 2 or max(size) > 2**15:
-        raise UserError(
-            f"size={list(size)} is not possible: use [width,height] of the low-resolution input in pixels."
-        )
+        raise UserError(f"size={list(size)} is not possible: use [width,height] of the low-resolution input in pixels.")
     return Settings(
         read_space(OmegaConf.to_container(cfg.among, resolve=True)),
         float(margin),

@@ -82,16 +82,13 @@ class Space:
     def fixed(self, overrides: Sequence[str]) -> "Space":
         """Without the switches that ``overrides`` set, which join the recipe."""
         given = {key_of(override) for override in overrides}
-        kept = [
-            s for s in self.switches if not any(key_of(o) in given for os in s.options.values() for o in os)
-        ]
+        kept = [s for s in self.switches if not any(key_of(o) in given for os in s.options.values() for o in os)]
         return Space(self.name, tuple(merged([*self.recipe, *overrides])), tuple(kept))
 
     def with_only(self, switch: str, options: Sequence[str]) -> "Space":
         """With only these ``options`` of a switch."""
         left = (
-            replace(s, options={o: s.options[o] for o in options}) if s.name == switch else s
-            for s in self.switches
+            replace(s, options={o: s.options[o] for o in options}) if s.name == switch else s for s in self.switches
         )
         return replace(self, switches=tuple(left))
 
@@ -117,10 +114,7 @@ def read_space(data: Any) -> Space:
             Switch(
                 str(name),
                 {str(option): tuple(map(str, overrides)) for option, overrides in said["options"].items()},
-                tuple(
-                    Rule(str(r["fact"]), float(r["at_most"]), str(r["because"]))
-                    for r in said.get("pointless", ())
-                ),
+                tuple(Rule(str(r["fact"]), float(r["at_most"]), str(r["because"])) for r in said.get("pointless", ())),
                 {str(other): str(option) for other, option in said.get("unless", {}).items()},
             )
             for name, said in data["switches"].items()

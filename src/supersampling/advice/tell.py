@@ -27,10 +27,7 @@ def facts(scenes: Sequence[str], found: Mapping[str, Fact]) -> None:
     _say(f"What {', '.join(scenes)} has:")
     _say(
         _table(
-            [
-                {"fact": k, "value": f"{f.value:.3g}", "from": f.source, "what it is": f.about}
-                for k, f in found.items()
-            ]
+            [{"fact": k, "value": f"{f.value:.3g}", "from": f.source, "what it is": f.about} for k, f in found.items()]
         )
     )
 
@@ -88,9 +85,7 @@ def _buffers(result: Found) -> None:
                 {
                     "buffer": row["buffer"],
                     "kB a frame": f"{row['bytes'] / 1e3:.1f}",
-                    "ms to render alone": "not measured"
-                    if row["render_ms"] is None
-                    else f"{row['render_ms']:.1f}",
+                    "ms to render alone": "not measured" if row["render_ms"] is None else f"{row['render_ms']:.1f}",
                 }
                 for row in rows
             ]

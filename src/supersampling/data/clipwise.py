@@ -41,9 +41,7 @@ class ClipwiseFile:
         held, buffers = store.spec, store.buffers
         store.close()
         if held != self.spec:
-            raise UserError(
-                f"{self.path} holds {held.to_json()}, which is not what its name says: remove the file."
-            )
+            raise UserError(f"{self.path} holds {held.to_json()}, which is not what its name says: remove the file.")
         return self._names - buffers
 
     def waiting(self) -> list[int]:

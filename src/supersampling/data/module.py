@@ -69,9 +69,7 @@ def fingerprint(paths: Sequence[Path], names: Iterable[str]) -> str:
 class Loaders(L.LightningDataModule):
     """Training windows and whole validation clips. ``batch`` and ``steps`` an epoch; ``workers`` cannot change a result."""
 
-    def __init__(
-        self, train: WindowDataset, val: WholeClips, *, batch: int, steps: int, workers: int
-    ) -> None:
+    def __init__(self, train: WindowDataset, val: WholeClips, *, batch: int, steps: int, workers: int) -> None:
         super().__init__()
         self._train, self._val = train, val
         self._batch, self._steps, self._workers = batch, steps, workers

@@ -43,9 +43,7 @@ class Pick(ABC):
     requires: frozenset[str]
 
     @abstractmethod
-    def __call__(
-        self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]
-    ) -> Place: ...
+    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place: ...
 
 
 @final
@@ -54,9 +52,7 @@ class Uniform(Pick):
 
     requires = frozenset[str]()
 
-    def __call__(
-        self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]
-    ) -> Place:
+    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place:
         return propose()
 
 
@@ -71,7 +67,5 @@ class MostEdges(Pick):
             raise UserError(f"pick.looks must be at least 1, got {looks}; pick=uniform takes every window.")
         self.looks = looks
 
-    def __call__(
-        self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]
-    ) -> Place:
+    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place:
         return max((propose() for _ in range(self.looks)), key=lambda place: motion_edges(motion(place)))

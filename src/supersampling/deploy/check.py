@@ -30,9 +30,7 @@ class Difference:
 
 
 @torch.inference_mode()
-def compare(
-    model: Upsampler, runners: Mapping[str, Runner], frames: Iterable[Frame]
-) -> dict[str, Difference]:
+def compare(model: Upsampler, runners: Mapping[str, Runner], frames: Iterable[Frame]) -> dict[str, Difference]:
     """The difference of each runner from ``model`` in evaluation mode, over a rollout from the first frame."""
     model = model.cpu().eval()
     state: Any = None
@@ -62,9 +60,7 @@ def arrays(frame: Frame) -> dict[str, NDArray[np.float32]]:
     return {name: values.numpy() for name, values in held.items() if values is not None}
 
 
-def random_frames(
-    model: Upsampler, size: tuple[int, int], count: int, jitters: Tensor | None
-) -> Iterator[Frame]:
+def random_frames(model: Upsampler, size: tuple[int, int], count: int, jitters: Tensor | None) -> Iterator[Frame]:
     """Frames of random buffers, ``size`` low-resolution ``(width, height)``, with these jitters ``(N, 2)`` in turn, if given."""
     for t in range(count):
         frame = random_frame(model, *size, "cpu", seed=t)

@@ -67,9 +67,7 @@ def export_command(cfg: DictConfig) -> None:
 def _check_settings(cfg: DictConfig) -> None:
     size = list(cfg.size) if cfg.size else [1, 1]
     if len(size) != 2 or not all(isinstance(n, int) and 1 <= n <= 2**14 for n in size):
-        raise UserError(
-            f"size={size} is not possible: use [width,height] of the low-resolution input in pixels."
-        )
+        raise UserError(f"size={size} is not possible: use [width,height] of the low-resolution input in pixels.")
     if Path(cfg.out).suffix != ".onnx":
         raise UserError(f"out={cfg.out} is not possible: use a name that ends with .onnx.")
     for key, allowed in (("kernels", KERNELS), ("frames", FRAMES)):
@@ -94,9 +92,7 @@ def _deployed(model: Upsampler, cfg: DictConfig) -> tuple[Upsampler, dict[str, A
     return model, said, sequence
 
 
-def _write(
-    path: Path, model: Upsampler, graphs: Graphs, jitter: dict[str, Any], method: Method
-) -> list[Path]:
+def _write(path: Path, model: Upsampler, graphs: Graphs, jitter: dict[str, Any], method: Method) -> list[Path]:
     first = path.with_suffix(".first.onnx") if graphs.state else path
     graphs.other.save(str(path))
     if graphs.state:
@@ -131,7 +127,9 @@ def _check(cfg: DictConfig, model: Upsampler, graphs: Graphs, path: Path, jitter
 
 
 def _said(difference: Difference) -> str:
-    return f"at most {difference.largest:.2e} from PyTorch (frame {difference.frame}), {difference.mean:.2e} on average,"
+    return (
+        f"at most {difference.largest:.2e} from PyTorch (frame {difference.frame}), {difference.mean:.2e} on average,"
+    )
 
 
 def _frames(cfg: DictConfig, model: Upsampler, graphs: Graphs, jitters: Tensor | None) -> Iterator[Frame]:

@@ -68,9 +68,7 @@ class _Step(nn.Module):
         before = pytree.tree_unflatten(list(state), self.structure) if state else None
         output, after = self.model(frame, before)
         shown = self.model.present(output, frame)
-        held = [
-            leaf for leaf in pytree.tree_leaves(after) if isinstance(leaf, Tensor)
-        ]  # None has a leaf, None
+        held = [leaf for leaf in pytree.tree_leaves(after) if isinstance(leaf, Tensor)]  # None has a leaf, None
         return [t.clone() for t in (shown, *held)]
 
 

@@ -97,9 +97,7 @@ def quantise(path: Path, clips: Iterable[Iterable[Frame]]) -> Path:
 
     given = samples(path, clips)
     if not given:
-        raise UserError(
-            "int8 needs frames to calibrate on: name training or validation clips of two frames or more."
-        )
+        raise UserError("int8 needs frames to calibrate on: name training or validation clips of two frames or more.")
     description: dict[str, Any] = json.loads(sidecar(path).read_text())
     model = openvino_core().read_model(path.parent / description["graphs"]["next"])
     others = _left_in_float(model)

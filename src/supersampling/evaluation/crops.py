@@ -62,8 +62,6 @@ def strip(folder: Path) -> Image.Image:
     rows = []
     for path in outputs:
         trio = [path.with_name(f"{path.stem}_input.png"), path, path.with_name(f"{path.stem}_target.png")]
-        cells = [
-            np.asarray(Image.open(p).resize((3 * SIZE, 3 * SIZE), Image.Resampling.NEAREST)) for p in trio
-        ]
+        cells = [np.asarray(Image.open(p).resize((3 * SIZE, 3 * SIZE), Image.Resampling.NEAREST)) for p in trio]
         rows.append(np.concatenate(cells, axis=1))
     return Image.fromarray(np.concatenate(rows, axis=0))

@@ -48,9 +48,7 @@ def _clip(folder: Path, suffix: str, frames: int) -> list[Path]:
     strange = next((file for file in other if file not in images), None)
     if strange is not None:
         hint = "space=radiance reads EXR" if strange.suffix.lower() == ".exr" else "export PNG"
-        raise UserError(
-            f"{strange} is no {suffix} image, which these frames are said to be: {hint}, or remove it."
-        )
+        raise UserError(f"{strange} is no {suffix} image, which these frames are said to be: {hint}, or remove it.")
     numbered: dict[int, Path] = {}
     for file in images:
         digits = re.search(r"(\d+)$", file.stem)

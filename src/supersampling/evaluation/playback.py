@@ -139,9 +139,7 @@ def recorded_methods(capture: Path, files: Sequence[Path]) -> dict[str, Playback
         store.close()
         scales.add(spec.scale)
         if not spec.scene.startswith("qrisp/"):
-            raise UserError(
-                f"{path} was not imported from a QRISP capture: render.py import=qrisp makes such files."
-            )
+            raise UserError(f"{path} was not imported from a QRISP capture: render.py import=qrisp makes such files.")
         for method, found in baseline_images(capture, spec.scene.removeprefix("qrisp/")).items():
             for label in segments:
                 segment = label.rsplit("/", 1)[-1]

@@ -115,9 +115,7 @@ def _score_clip(
             )
 
 
-def _radiance(
-    model: Upsampler, made: Tensor, frame: Frame, batch: dict[str, Tensor]
-) -> tuple[Tensor, Tensor] | None:
+def _radiance(model: Upsampler, made: Tensor, frame: Frame, batch: dict[str, Tensor]) -> tuple[Tensor, Tensor] | None:
     wanted, given = batch["target_radiance"][:, 0], model.radiance(made, frame)
     return None if given is None else (bounded(given, wanted, HIGHEST_RADIANCE), wanted)
 

@@ -36,9 +36,7 @@ def pretrained(weights: str) -> Pretrained:
         UserError: there are no such weights, or they cannot be had; it says which file goes where.
     """
     layers = make_layers(cfgs["D"])
-    entry = load_pretrained(
-        layers, "vgg16", weights, "The perceptual loss", "leave the term out", prefix="features."
-    )
+    entry = load_pretrained(layers, "vgg16", weights, "The perceptual loss", "leave the term out", prefix="features.")
     made = [m for m in layers if isinstance(m, torch.nn.Conv2d)]
     pairs = tuple((m.weight.detach(), m.bias.detach()) for m in made if m.bias is not None)
     preset = entry.transforms()

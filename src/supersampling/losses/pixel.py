@@ -54,7 +54,5 @@ class SmoothL1(Loss):
 def check_beta(beta: float) -> float:
     """``beta`` itself; raises `UserError` unless it is above 0 (at 0 the loss is an L1, which has a name)."""
     if not 0.0 < beta < float("inf"):
-        raise UserError(
-            f"beta of smooth L1 must be above 0, got {beta}; 1 is the default, and l1 the limit at 0."
-        )
+        raise UserError(f"beta of smooth L1 must be above 0, got {beta}; 1 is the default, and l1 the limit at 0.")
     return beta

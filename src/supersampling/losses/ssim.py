@@ -33,9 +33,7 @@ class SSIM(Loss):
     def __init__(self, data_range: float) -> None:
         super().__init__()
         if not 0.0 < data_range < float("inf"):
-            raise UserError(
-                f"data_range of SSIM must be above 0, got {data_range}; 1 is that of display colours."
-            )
+            raise UserError(f"data_range of SSIM must be above 0, got {data_range}; 1 is that of display colours.")
         self.c1, self.c2 = (0.01 * data_range) ** 2, (0.03 * data_range) ** 2
 
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:

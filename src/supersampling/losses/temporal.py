@@ -62,19 +62,13 @@ class MaskedTemporal(Loss):
     def __init__(self, threshold: float, beta: float) -> None:
         super().__init__()
         if not 0.0 < threshold < float("inf"):
-            raise UserError(
-                f"threshold of the motion mask must be above 0, got {threshold}; the paper's is 0.1."
-            )
+            raise UserError(f"threshold of the motion mask must be above 0, got {threshold}; the paper's is 0.1.")
         self.threshold, self.beta = threshold, check_beta(beta)
 
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
         size = (outputs.shape[-2], outputs.shape[-1])
-        outputs = outputs.to(
-            torch.promote_types(outputs.dtype, frames["motion"].dtype)
-        )  # half under autocast
-        motion, motion_dual = (
-            finite_motion(frames[name][:, 1:].flatten(0, 1)) for name in ("motion", "motion_dual")
-        )
+        outputs = outputs.to(torch.promote_types(outputs.dtype, frames["motion"].dtype))  # half under autocast
+        motion, motion_dual = (finite_motion(frames[name][:, 1:].flatten(0, 1)) for name in ("motion", "motion_dual"))
         carried = warp(outputs[:, :-1].flatten(0, 1), upsample_motion(motion, size))
         # Upsampling is linear: of the difference it is the difference of both.
         offset = upsample_motion(motion_dual - motion, size)

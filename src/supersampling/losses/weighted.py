@@ -28,9 +28,7 @@ class Sum(Loss):
             if name not in terms:
                 raise UserError(f"loss.weights.{name} has no term: use one of {', '.join(terms)}.")
             if not isinstance(weight, (int, float)) or not 0.0 <= weight < math.inf:
-                raise UserError(
-                    f"loss.weights.{name}={weight} is not possible: use 0 or more (0 leaves it out)."
-                )
+                raise UserError(f"loss.weights.{name}={weight} is not possible: use 0 or more (0 leaves it out).")
         self.weights = {name: float(weight) for name, weight in weights.items() if weight}
         if not self.weights:
             raise UserError("All loss.weights are 0: set one, e.g. loss.weights.l1=1.")

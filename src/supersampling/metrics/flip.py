@@ -53,13 +53,9 @@ class FLIPHDR(Metric):
     names = ("flip_hdr",)
     requires = frozenset({"target", "target_radiance"})
 
-    def __init__(
-        self, start: float, stop: float, number: int, pixels_per_degree: float = PIXELS_PER_DEGREE
-    ) -> None:
+    def __init__(self, start: float, stop: float, number: int, pixels_per_degree: float = PIXELS_PER_DEGREE) -> None:
         if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
-            raise UserError(
-                f"flip_hdr needs start below stop, got {start} and {stop}: -3 and 3 are a choice."
-            )
+            raise UserError(f"flip_hdr needs start below stop, got {start} and {stop}: -3 and 3 are a choice.")
         # Of one exposure, the tool gives 0 whatever the images are.
         if number < 2:
             raise UserError(f"number of flip_hdr must be 2 or more, got {number}.")
@@ -79,9 +75,7 @@ class FLIPHDR(Metric):
 
 def _checked(pixels_per_degree: float) -> float:
     if not 0.0 < pixels_per_degree < math.inf:
-        raise UserError(
-            f"pixels_per_degree must be above 0, got {pixels_per_degree}; the tool's own is 67.02."
-        )
+        raise UserError(f"pixels_per_degree must be above 0, got {pixels_per_degree}; the tool's own is 67.02.")
     return float(pixels_per_degree)
 
 

@@ -56,9 +56,7 @@ def mssim_thesis(output: Tensor, target: Tensor) -> Tensor:
     return _ssim(output, target, 0.01**2, 0.02**2)
 
 
-def _ssim(
-    output: Tensor, target: Tensor, c1: float, c2: float, sigma: float = SIGMA, unbiased: float = 1.0
-) -> Tensor:
+def _ssim(output: Tensor, target: Tensor, c1: float, c2: float, sigma: float = SIGMA, unbiased: float = 1.0) -> Tensor:
     """``sigma``: of the window, infinite for a uniform one; ``unbiased``: what (co)variances are multiplied by."""
     height, width = output.shape[-2:]
     if min(height, width) < WINDOW:

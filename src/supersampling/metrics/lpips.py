@@ -31,9 +31,7 @@ def trained(network: str) -> nn.Module:
     slices = module.get_submodule("net").children()
     layers = OrderedDict(pair for part in slices for pair in part.named_children())
     name, _ = NETWORKS[network]
-    load_pretrained(
-        nn.Sequential(layers), name, "IMAGENET1K_V1", "LPIPS", "leave the metric out", prefix="features."
-    )
+    load_pretrained(nn.Sequential(layers), name, "IMAGENET1K_V1", "LPIPS", "leave the metric out", prefix="features.")
     return module.requires_grad_(False).eval()
 
 

@@ -76,9 +76,7 @@ def read_scores(path: Path) -> Scores:
         scene, clip = min(missing)
         raise UserError(f"'{path}' lacks the row of clip {clip} of {scene}, whose frames it holds")
     scenes = rows[~has_clip]
-    return Scores(
-        *(_level(part, PLACE[:depth], metrics) for part, depth in ((frames, 3), (clips, 2), (scenes, 1)))
-    )
+    return Scores(*(_level(part, PLACE[:depth], metrics) for part, depth in ((frames, 3), (clips, 2), (scenes, 1))))
 
 
 def _check_columns(path: Path, table: pa.Table, metrics: Sequence[str]) -> None:

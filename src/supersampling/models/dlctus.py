@@ -166,9 +166,7 @@ class DLCTUSForInference(Blending):
 
     def __init__(self, model: DLCTUS) -> None:
         model = copy.deepcopy(model)
-        super().__init__(
-            model.scale, model.reproject, model.dilate, model.pad, model.accumulate, model.confine
-        )
+        super().__init__(model.scale, model.reproject, model.dilate, model.pad, model.accumulate, model.confine)
         plain = model.network.down
         # The order of pixel_unshuffle: channel, row, column.
         self.down: nn.Conv2d = nn.utils.skip_init(
@@ -228,7 +226,5 @@ def sparse_blocks(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
         return space_to_depth(in_blocks(pad_to_blocks(zero_upsample(image, jitter, scale))))
     hit = zero_upsample(image.new_ones(b, 1, 1, 1), jitter, scale) > 0.0  # (B, 1, s, s)
     grouped = image.unflatten(3, (-1, pixels)).unflatten(2, (-1, pixels)).permute(0, 1, 3, 5, 2, 4)
-    spread = torch.where(
-        hit[:, :, None, :, None, :, None, None], grouped[:, :, :, None, :, None], image.new_zeros(())
-    )
+    spread = torch.where(hit[:, :, None, :, None, :, None, None], grouped[:, :, :, None, :, None], image.new_zeros(()))
     return spread.flatten(4, 5).flatten(2, 3)

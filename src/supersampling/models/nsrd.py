@@ -85,9 +85,7 @@ class NSRD(Upsampler[History]):
     ) -> None:
         super().__init__()
         if previous < 1:
-            raise UserError(
-                f"model.previous must be 1 or more previous frames, got {previous}; the paper has 2."
-            )
+            raise UserError(f"model.previous must be 1 or more previous frames, got {previous}; the paper has 2.")
         self.scale, self.previous = check_scale(scale), previous
         self.demodulate, self.motion_mask = demodulate, motion_mask
         self.locate, self.base = locate, base
@@ -135,6 +133,4 @@ class NSRD(Upsampler[History]):
         predicted = self.reconstruct(features).to(current.dtype)
         output = self.base(predicted, light, frame)
         carried = self.recur.carry(output, memory)
-        return output, History(
-            (current, *state.inputs[:-1]), to_each[:-1], carried, self.locate.remember(frame)
-        )
+        return output, History((current, *state.inputs[:-1]), to_each[:-1], carried, self.locate.remember(frame))

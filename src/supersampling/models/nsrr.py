@@ -32,9 +32,7 @@ class Previous(nn.Module, ABC):
     requires: frozenset[str]
 
     @abstractmethod
-    def forward(
-        self, current: Tensor, samples: Tensor, frame: Frame, state: State | None
-    ) -> tuple[Tensor, State]:
+    def forward(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         """``current (B, C, H, W)`` with the previous frames appended, and the new state.
 
         ``samples (B, ., h, w)`` are this frame's inputs, which become a previous frame's features.
@@ -55,9 +53,7 @@ class NoPreviousFrames(Previous):
         super().__init__()
         self.channels = channels
 
-    def forward(
-        self, current: Tensor, samples: Tensor, frame: Frame, state: State | None
-    ) -> tuple[Tensor, State]:
+    def forward(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         return current, ()
 
     def advance(self, samples: Tensor, frame: Frame, state: State | None) -> State:
@@ -93,9 +89,7 @@ class PreviousFrames(Previous):
         self.extract, self.reweight, self.warp_at, self.upsample = extract, reweight, warp_at, upsample
         self.channels = (previous + 1) * extract.channels
 
-    def forward(
-        self, current: Tensor, samples: Tensor, frame: Frame, state: State | None
-    ) -> tuple[Tensor, State]:
+    def forward(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         assert frame.jitter is not None
         window, state = self._see(samples, frame, state)
         past = self.warp_at.leave(window, frame.jitter, self.scale, self.upsample)
@@ -155,9 +149,7 @@ class NSRR(Upsampler[State]):
     ) -> None:
         super().__init__()
         if int(previous) != previous or previous < 0:
-            raise UserError(
-                f"model.previous must be a whole number from 0 up, got {previous}; the paper has 0 to 4."
-            )
+            raise UserError(f"model.previous must be a whole number from 0 up, got {previous}; the paper has 0 to 4.")
         self.scale = check_scale(scale)
         self.colour_space, self.demodulate, self.guides, self.base = colour_space, demodulate, guides, base
         inputs = RGBD + guides.channels

@@ -49,9 +49,7 @@ class TUS(Upsampler[Tensor]):
         if not sigma > 0.0:
             raise UserError(f"model.sigma must be above 0 target pixels, got {sigma}; 0.8 is the default.")
         if not 0.0 <= alpha <= 1.0:
-            raise UserError(
-                f"model.alpha must lie in [0, 1], got {alpha}; the thesis has 0.5 for 2x2 and 1.0 for 4x4."
-            )
+            raise UserError(f"model.alpha must lie in [0, 1], got {alpha}; the thesis has 0.5 for 2x2 and 1.0 for 4x4.")
         self.scale = check_scale(scale)
         self.sigma, self.alpha = sigma, alpha
         self.reproject, self.rectify, self.dilate, self.pad = reproject, rectify, dilate, pad

@@ -35,9 +35,7 @@ def dual_motion(
     pixel = torch.stack((columns, rows)).to(motion)
     # The pixel that holds y: centres are at + 0.5, so the floor of the position is its index.
     place = torch.floor(pixel + 0.5 + jitter[..., None, None] + motion + margin)
-    limit = (
-        torch.tensor((width, height), dtype=motion.dtype, device=motion.device)[:, None, None] + 2 * margin
-    )
+    limit = torch.tensor((width, height), dtype=motion.dtype, device=motion.device)[:, None, None] + 2 * margin
     inside = ((place >= 0) & (place < limit)).all(dim=1, keepdim=True) & (depth_then > 0)
     x, y = torch.where(inside, place, 0.0).long().unbind(dim=1)
     index = (y * (width + 2 * margin) + x).flatten(1)[:, None]

@@ -64,9 +64,7 @@ def sample_bicubic5(image: Tensor, grid: Tensor, a: float) -> Tensor:
         (x3, y12, wx3 * wy12),
         (x12, y3, wx12 * wy3),
     )
-    fetches = [
-        sample_bilinear(image, torch.stack((x, y), dim=-1)) * weight.unsqueeze(1) for x, y, weight in cross
-    ]
+    fetches = [sample_bilinear(image, torch.stack((x, y), dim=-1)) * weight.unsqueeze(1) for x, y, weight in cross]
     total = torch.stack([weight for _, _, weight in cross]).sum(0)
     return torch.stack(fetches).sum(0) / total.unsqueeze(1)
 

@@ -19,7 +19,5 @@ def motion_mask(offset: Tensor, low: tuple[int, int], threshold: float = THRESHO
         threshold: low-resolution pixels, above 0.
     """
     height, width = low
-    x, y = (
-        offset.abs() * scale < threshold for offset, scale in zip(offset.split(1, dim=1), (width, height))
-    )
+    x, y = (offset.abs() * scale < threshold for offset, scale in zip(offset.split(1, dim=1), (width, height)))
     return (~(x & y)).to(offset.dtype)

@@ -9,9 +9,7 @@ from torchvision.models import get_model_weights
 from supersampling.errors import UserError
 
 
-def load_pretrained(
-    module: nn.Module, model: str, weights: str, whose: str, otherwise: str, prefix: str = ""
-) -> Any:
+def load_pretrained(module: nn.Module, model: str, weights: str, whose: str, otherwise: str, prefix: str = "") -> Any:
     """Load all of ``module`` from torchvision's weights; files are read as tensors alone, no code in them is run.
 
     Args:

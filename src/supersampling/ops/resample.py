@@ -17,9 +17,7 @@ BOUNDARY = 2.0**-8
 def check_scale(scale: int) -> int:
     """The scale itself; raises `UserError` unless it is a whole number from 1 up."""
     if int(scale) != scale or scale < 1:
-        raise UserError(
-            f"scale must be a whole number from 1 up, got {scale}; set task.scale to e.g. 2 or 4."
-        )
+        raise UserError(f"scale must be a whole number from 1 up, got {scale}; set task.scale to e.g. 2 or 4.")
     return int(scale)
 
 
@@ -68,9 +66,7 @@ def zero_upsample(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
     # A jitter one rounding step below 0.5 would otherwise land in the next block.
     place = torch.floor((jitter + 0.5) * scale + BOUNDARY).clamp(0, scale - 1)
     steps = torch.arange(scale, device=image.device)
-    hit = (place[:, 1, None, None] == steps[:, None]) & (
-        place[:, 0, None, None] == steps
-    )  # (B, s, s): rows, columns
+    hit = (place[:, 1, None, None] == steps[:, None]) & (place[:, 0, None, None] == steps)  # (B, s, s): rows, columns
     spread = torch.where(hit[:, None, None, :, None, :], image[:, :, :, None, :, None], image.new_zeros(()))
     return spread.reshape(b, c, h * scale, w * scale)
 

@@ -11,9 +11,7 @@ from supersampling.ops.resample import pixel_centres
 
 EDGE = 2.0**-20  # of half an image: 16 rounding steps of float32, a 250th of a pixel at 7680
 FAR = 1e4  # images; what it is interpolated with lies outside, too, and half precision holds it
-LARGEST = (
-    65504.0  # float16's: no colour and no light is stored beyond it, and no history that has more is believed
-)
+LARGEST = 65504.0  # float16's: no colour and no light is stored beyond it, and no history that has more is believed
 
 
 def sampling_grid(motion: Tensor) -> Tensor:
@@ -44,9 +42,7 @@ def broken(history: Tensor) -> Tensor:
     return ~(history.sum(dim=1, keepdim=True).abs() <= LARGEST)
 
 
-def warp(
-    image: Tensor, motion: Tensor, sample: Callable[[Tensor, Tensor], Tensor] = sample_bilinear
-) -> Tensor:
+def warp(image: Tensor, motion: Tensor, sample: Callable[[Tensor, Tensor], Tensor] = sample_bilinear) -> Tensor:
     """The previous ``image (B, C, H, W)`` seen from the current frame; borders are repeated.
 
     Pixels without motion are copied to the bit: float32 grid positions are good to ``max(H, W) * 2**-24``

@@ -105,14 +105,10 @@ class TorchStream(Stream):
     which made it gives.
     """
 
-    def __init__(
-        self, model: Upsampler, setting: Setting, layout: torch.memory_format, compiled: bool = False
-    ) -> None:
+    def __init__(self, model: Upsampler, setting: Setting, layout: torch.memory_format, compiled: bool = False) -> None:
         self._model = model.to(setting.device).eval()
         self.model = None if compiled else self._model  # compiled code has no parts
-        for (
-            module
-        ) in model.modules():  # a whole model's other parameters may have more axes than a layout is for
+        for module in model.modules():  # a whole model's other parameters may have more axes than a layout is for
             if isinstance(module, nn.Conv2d):
                 module.to(memory_format=layout)
         self._layout, self._device, self._state = layout, setting.device, None

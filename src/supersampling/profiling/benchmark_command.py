@@ -87,9 +87,7 @@ def check_settings(cfg: DictConfig) -> None:
             raise UserError(f"precisions={precision} is not known: use {', '.join(TYPES)}.")
     for size in cfg.sizes:
         if not _is_size(size):
-            raise UserError(
-                f"sizes={size} is not possible: use [[width,height],...] of the target in pixels."
-            )
+            raise UserError(f"sizes={size} is not possible: use [[width,height],...] of the target in pixels.")
         for scale in _scales(cfg):
             if any(side % scale for side in size):
                 raise UserError(
@@ -106,11 +104,7 @@ def check_settings(cfg: DictConfig) -> None:
 
 
 def _is_size(size: Any) -> bool:
-    return (
-        OmegaConf.is_list(size)
-        and len(size) == 2
-        and all(isinstance(n, int) and 1 <= n <= LARGEST for n in size)
-    )
+    return OmegaConf.is_list(size) and len(size) == 2 and all(isinstance(n, int) and 1 <= n <= LARGEST for n in size)
 
 
 def _scales(cfg: DictConfig) -> list[int]:
@@ -122,9 +116,7 @@ def _device(name: str) -> torch.device:
     if name == "auto":
         return torch.device("cuda" if torch.cuda.is_available() else "cpu")
     if name not in ("cpu", "cuda") or (name == "cuda" and not torch.cuda.is_available()):
-        raise UserError(
-            f"device={name} is not there: use cpu{', cuda' if torch.cuda.is_available() else ''} or auto."
-        )
+        raise UserError(f"device={name} is not there: use cpu{', cuda' if torch.cuda.is_available() else ''} or auto.")
     return torch.device(name)
 
 
@@ -210,13 +202,9 @@ def show(timings: Sequence[Timing], stages: pd.DataFrame) -> None:
             print(f"{t.method} x{t.scale} {t.width}x{t.height} {t.backend} {t.precision}: {t.why}")
     if stages.empty:
         return
-    for _, of_one in stages.groupby(
-        ["method", "scale", "width", "height", "backend", "precision"], sort=False
-    ):
+    for _, of_one in stages.groupby(["method", "scale", "width", "height", "backend", "precision"], sort=False):
         one = of_one.iloc[0]
-        print(
-            f"\n{one.method} x{one.scale} to {one.width}x{one.height}, {one.backend} {one.precision}, part by part"
-        )
+        print(f"\n{one.method} x{one.scale} to {one.width}x{one.height}, {one.backend} {one.precision}, part by part")
         shown = of_one[["part", "kind", "ms", "low", "high", "share"]].copy()
         for column in ("ms", "low", "high"):
             shown[column] = shown[column].map("{:.2f}".format)

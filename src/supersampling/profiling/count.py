@@ -162,9 +162,7 @@ def count_command(cfg: DictConfig) -> None:
     """
     size = list(cfg.size)
     if len(size) != 2 or not all(isinstance(n, int) and 1 <= n <= 2**15 for n in size):
-        raise UserError(
-            f"size={size} is not possible: use [width,height] of the low-resolution input in pixels."
-        )
+        raise UserError(f"size={size} is not possible: use [width,height] of the low-resolution input in pixels.")
     if not isinstance(cfg.depth, int) or cfg.depth < 1:
         raise UserError(f"depth={cfg.depth} is not possible: use a whole number from 1 up.")
     width, height = size

@@ -147,6 +147,4 @@ def calibration(
     for path in files:
         clips = whole_clips([path], model.requires, 0)
         parts = zip(range(frames), clips.read_frames(0))
-        yield (
-            tiled(Frame.of({k: v[None] for k, v in part.items()}, 0), size, model.scale) for _, part in parts
-        )
+        yield (tiled(Frame.of({k: v[None] for k, v in part.items()}, 0), size, model.scale) for _, part in parts)

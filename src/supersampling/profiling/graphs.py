@@ -92,7 +92,9 @@ class WithOnnxRuntime(Exported):
 
     def refused(self, device: torch.device, precision: str) -> str:
         if precision != "float32":
-            return f"ONNX Runtime runs a float32 graph in float32: there is no {precision} without converting the graph."
+            return (
+                f"ONNX Runtime runs a float32 graph in float32: there is no {precision} without converting the graph."
+            )
         return "" if device.type == "cpu" else _no_provider("CUDAExecutionProvider", "onnxruntime-gpu")
 
     def open(self, path: Path, setting: Setting) -> Stream:

@@ -128,6 +128,4 @@ def _of(experiment: Experiment, run: Run) -> Subject | None:
     if not isinstance(cfg, DictConfig) or not all(OmegaConf.select(cfg, k) for k in ("model", "task.scale")):
         return None
     model: Any = OmegaConf.to_container(cfg.model, resolve=True)
-    return Subject(
-        run.data.tags.get("ss.method", ""), model, cfg.task.scale, cfg.task.get("jitter", "thesis")
-    )
+    return Subject(run.data.tags.get("ss.method", ""), model, cfg.task.scale, cfg.task.get("jitter", "thesis"))

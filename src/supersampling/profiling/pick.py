@@ -133,11 +133,7 @@ def named(candidate: Candidate) -> str:
 def sentences(answer: Answer, ms: float | None = None, db: float | None = None) -> list[str]:
     """The answer in words."""
     chosen = answer.chosen
-    asked = (
-        f"best within {_short(ms)} ms"
-        if ms is not None
-        else f"fastest within {_short(db or 0.0)} dB of the best"
-    )
+    asked = f"best within {_short(ms)} ms" if ms is not None else f"fastest within {_short(db or 0.0)} dB of the best"
     said = [f"{asked}: {named(chosen)}, PSNR {_plus_minus(chosen.quality)}."]
     if db is not None and answer.against is None:
         said.append("It is the best there is: nothing faster is surely within that loss.")

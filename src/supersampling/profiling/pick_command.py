@@ -48,9 +48,7 @@ def pick_command(cfg: DictConfig) -> pick.Answer:
     here = [c for c in found if Place.of(c.timing) == place]
     gap_of = pick.paired(clips)
     answer = (
-        pick.within_ms(here, ms, rendering, gap_of)
-        if ms is not None
-        else pick.within_db(here, db, rendering, gap_of)
+        pick.within_ms(here, ms, rendering, gap_of) if ms is not None else pick.within_db(here, db, rendering, gap_of)
     )
     lines = [f"{choice.setting}; {place}", *pick.sentences(answer, ms, db)]
     if others:

@@ -49,9 +49,7 @@ def cache_size() -> int:
     return max((int(s[:-1]) * units[s[-1]] for s in sizes if s[-1:] in units), default=USUAL_CACHE)
 
 
-def distinct_frames(
-    model: Upsampler, width: int, height: int, jitters: Tensor | None, cache: int
-) -> list[Frame]:
+def distinct_frames(model: Upsampler, width: int, height: int, jitters: Tensor | None, cache: int) -> list[Frame]:
     """Random frames that together are larger than ``cache`` bytes, 4 to 64 of them, with the jitters in turn.
 
     Motion is smooth, up to 1 % of the image.

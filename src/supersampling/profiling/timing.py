@@ -88,10 +88,7 @@ def read(path: Path) -> list[Timing]:
 def timings_of(frame: pd.DataFrame) -> list[Timing]:
     """What `table` was made of; what JSON has no number for is NaN again."""
     kinds: dict[str, Any] = {f.name: f.type for f in fields(Timing)}
-    return [
-        Timing(**{name: _as(kind, row[name]) for name, kind in kinds.items()})
-        for row in frame.to_dict("records")
-    ]
+    return [Timing(**{name: _as(kind, row[name]) for name, kind in kinds.items()}) for row in frame.to_dict("records")]
 
 
 def _as(kind: type, value: Any) -> Any:

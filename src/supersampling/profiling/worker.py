@@ -181,9 +181,7 @@ class Worker:
         context.set_forkserver_preload([__name__])
         self._pipe, theirs = context.Pipe()
         make_process: Any = context.Process  # type: ignore[attr-defined]
-        self._process = make_process(
-            target=serve, args=(theirs, threads, limit, make, arguments), daemon=True
-        )
+        self._process = make_process(target=serve, args=(theirs, threads, limit, make, arguments), daemon=True)
         self._process.start()
         theirs.close()
         try:

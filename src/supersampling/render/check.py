@@ -39,9 +39,7 @@ def check_spec(spec: CaptureSpec) -> None:
         )
     for side, window, frame in zip(("width", "height"), spec.window, spec.frame):
         if not 4 * spec.scale <= window <= frame:
-            raise UserError(
-                f"A window {side} of {window} does not fit: use {4 * spec.scale} to {frame} (the frame's)."
-            )
+            raise UserError(f"A window {side} of {window} does not fit: use {4 * spec.scale} to {frame} (the frame's).")
     camera_style(spec.camera)
     jitter_sequence(spec.jitter, spec.scale)
     mip_bias(spec.mip_bias, spec.scale)

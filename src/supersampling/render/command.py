@@ -61,18 +61,14 @@ def _import(cfg: DictConfig) -> None:
 
 def _export(cfg: DictConfig) -> None:
     if cfg.path is None or cfg.out is None:
-        raise UserError(
-            f"export={cfg.export} needs a data set file and a folder: add path=FILE.h5 out=FOLDER."
-        )
+        raise UserError(f"export={cfg.export} needs a data set file and a folder: add path=FILE.h5 out=FOLDER.")
     print(export(cfg.export, Path(cfg.path), Path(cfg.out)))
 
 
 def save_picture(path: Path) -> Path:
     """A PNG beside a data set file: the first clip's last input, enlarged, and its target, side by side."""
     store = Store(path)
-    color, target = (
-        store.read(name, 0, slice(-1, None))[0].transpose(1, 2, 0) for name in ("color", "target")
-    )
+    color, target = (store.read(name, 0, slice(-1, None))[0].transpose(1, 2, 0) for name in ("color", "target"))
     store.close()
     scale = target.shape[0] // color.shape[0]
     pair = np.concatenate((np.kron(color, np.ones((scale, scale, 1), dtype=np.float32)), target), axis=1)

@@ -46,9 +46,7 @@ class GpuMaterials:
                 # Four channels: three-channel formats are slower and not renderable for mipmaps.
                 image = np.concatenate([image, np.full((height, width, 1), 255, np.uint8)], axis=2)
             data = np.ascontiguousarray(image).tobytes()
-            texture = self._ctx.texture(
-                (width, height), 4, data, internal_format=_SRGB8_ALPHA8 if srgb else None
-            )
+            texture = self._ctx.texture((width, height), 4, data, internal_format=_SRGB8_ALPHA8 if srgb else None)
             texture.build_mipmaps()
             texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
             self._textures[key] = texture

@@ -61,15 +61,11 @@ def tangents(mesh: Mesh) -> NDArray[np.float32]:
     total_u, total_up = (_at_vertices(tri, values, len(mesh.positions)) for values in (along_u, up))
     handed = np.where((np.cross(mesh.normals, total_u) * total_up).sum(axis=1) < 0.0, -1.0, 1.0)
     length = np.linalg.norm(total_u, axis=1, keepdims=True)
-    unit = total_u / np.maximum(
-        length, 1e-20
-    )  # no uv, or mirrored halves that cancel: zero, no normal mapping there
+    unit = total_u / np.maximum(length, 1e-20)  # no uv, or mirrored halves that cancel: zero, no normal mapping there
     return np.concatenate([unit, handed[:, None]], axis=1).astype(np.float32)
 
 
-def _at_vertices(
-    triangles: NDArray[np.uint32], values: NDArray[np.float64], count: int
-) -> NDArray[np.float64]:
+def _at_vertices(triangles: NDArray[np.uint32], values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
     """``(count, 3)``: at each vertex the sum of its triangles' ``values (M, 3)``."""
     corners = triangles.T.ravel().astype(np.intp)
     # np.add.at gives the same sums, several times slower.
@@ -136,14 +132,10 @@ class GpuScene:
         self.index_buffer = self.ctx.buffer(np.concatenate(indices or [empty]).astype(np.uint32).tobytes())
         return chunks
 
-    def _list_draws(
-        self, chunks: list[list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]]]
-    ) -> None:
+    def _list_draws(self, chunks: list[list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]]]) -> None:
         scene = self.scene
         self.models = (
-            np.stack([o.at(0.0) for o in scene.objects]).astype(np.float64)
-            if scene.objects
-            else np.zeros((0, 4, 4))
+            np.stack([o.at(0.0) for o in scene.objects]).astype(np.float64) if scene.objects else np.zeros((0, 4, 4))
         )
         self.previous_models = self.models.copy()
         self.movers = [i for i, o in enumerate(scene.objects) if o.moves]
@@ -161,9 +153,7 @@ class GpuScene:
         self.group_of = np.array([index[row[0]] for row in rows], dtype=np.int64)
         self.object_of = np.array([row[3] for row in rows], dtype=np.int64)
         # Records of glMultiDrawElementsIndirect; the base instance picks the object's transforms.
-        self.commands = np.array([(row[2], 1, row[1], 0, row[3]) for row in rows], dtype=np.uint32).reshape(
-            -1, 5
-        )
+        self.commands = np.array([(row[2], 1, row[1], 0, row[3]) for row in rows], dtype=np.uint32).reshape(-1, 5)
         self._lo = np.array([row[4] for row in rows], dtype=np.float64).reshape(-1, 3)
         self._hi = np.array([row[5] for row in rows], dtype=np.float64).reshape(-1, 3)
         self.moving = np.isin(self.object_of, self.movers)
@@ -175,9 +165,7 @@ class GpuScene:
         chosen = self.casts & ~self.moving if (self.casts & ~self.moving).any() else self.casts
         if not chosen.any():
             return np.zeros((1, 3)), np.ones((1, 3))
-        return self.boxes[0][chosen].min(axis=0, keepdims=True), self.boxes[1][chosen].max(
-            axis=0, keepdims=True
-        )
+        return self.boxes[0][chosen].min(axis=0, keepdims=True), self.boxes[1][chosen].max(axis=0, keepdims=True)
 
     def material(self, group: Group) -> Material:
         return self.scene.materials[group.material]
@@ -211,9 +199,7 @@ class GpuScene:
             (self.clip_buffer, CLIP_LAYOUT),
             (self.object_buffer, OBJECT_LAYOUT),
         )
-        content = [
-            (buffer, layout) for buffer, layout in sources if any(name in program for name in layout[1:])
-        ]
+        content = [(buffer, layout) for buffer, layout in sources if any(name in program for name in layout[1:])]
         return self.ctx.vertex_array(
             program, [(buffer, *layout) for buffer, layout in content], self.index_buffer, skip_errors=True
         )

@@ -55,9 +55,7 @@ def _lean(rng: np.random.Generator, t: Vector) -> Vector:
 def _tremor(rng: np.random.Generator, t: Vector) -> Vector:
     """Angles ``(T,)`` in radians: three waves of 4 to 10 Hz and 0.01 to 0.03 degrees."""
     waves = zip(rng.uniform(4.0, 10.0, 3), rng.uniform(0.0, 1.0, 3), np.radians(rng.uniform(0.01, 0.03, 3)))
-    return np.sum(
-        [size * np.sin(2.0 * np.pi * (frequency * t + phase)) for frequency, phase, size in waves], axis=0
-    )
+    return np.sum([size * np.sin(2.0 * np.pi * (frequency * t + phase)) for frequency, phase, size in waves], axis=0)
 
 
 def from_neck(yaw: Vector, pitch: Vector) -> Vector:

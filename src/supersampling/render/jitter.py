@@ -83,7 +83,5 @@ def target_mip_bias(setting: str) -> float:
     """The mip bias of the target itself: ``-log2(spp) / 2`` of DLCTUS equation 47, relative to its own pixels."""
     matched_samples = {"matched": 1, "sharp": 4}
     if setting not in matched_samples:
-        raise UserError(
-            f"task.mip_bias={setting} is not a setting: use matched (1 sample) or sharp (4 samples)."
-        )
+        raise UserError(f"task.mip_bias={setting} is not a setting: use matched (1 sample) or sharp (4 samples).")
     return -0.5 * float(np.log2(matched_samples[setting]))

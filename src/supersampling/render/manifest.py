@@ -157,9 +157,7 @@ def _measured(data: Any, name: str) -> Mapping[str, float | None]:
     _check_keys(data, tuple(MEASURES), (), where)
     for key, value in data.items():
         if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
-            raise UserError(
-                f"{where}: {key} is {value!r}, not a number: let scripts/measure_scenes.py write it."
-            )
+            raise UserError(f"{where}: {key} is {value!r}, not a number: let scripts/measure_scenes.py write it.")
     return {key: None if value is None else float(value) for key, value in data.items()}
 
 

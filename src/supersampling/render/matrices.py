@@ -54,9 +54,7 @@ def ray_basis(view: Matrix, projection: Matrix) -> Matrix:
     return np.linalg.inv(view[:3, :3]) @ inverse
 
 
-def sky_homography(
-    view: Matrix, projection: Matrix, previous_view: Matrix, previous_projection: Matrix
-) -> Matrix:
+def sky_homography(view: Matrix, projection: Matrix, previous_view: Matrix, previous_projection: Matrix) -> Matrix:
     """``(3, 3)`` from a current ``(x, y, 1)`` in [-1, 1]^2 to the previous homogeneous ``(x, y, w)`` of the same direction."""
     rays = ray_basis(view, projection)
     return previous_projection[[0, 1, 3], :3] @ previous_view[:3, :3] @ rays

@@ -102,9 +102,7 @@ class Passes:
     def _background(self, g: GBuffer, view: View) -> None:
         array = self._programs.screen(("background_fragment",), g.needs.definitions)
         before = view.shot.previous_camera.view
-        warp = matrices.sky_homography(
-            view.shot.camera.view, view.projection, before, view.previous_projection
-        )
+        warp = matrices.sky_homography(view.shot.camera.view, view.projection, before, view.previous_projection)
         assign(array.program, homography=matrix(warp), size=view.size, jitter=view.jitter)
         self._ctx.enable_only(moderngl.NOTHING)
         array.render(moderngl.TRIANGLES, vertices=3)
@@ -155,9 +153,7 @@ class Passes:
 
     def extract(self, g: GBuffer, view: View, name: str) -> None:
         """One buffer of `EXTRACTED` as image ``extracted``."""
-        array = self._programs.screen(
-            ("brdf", "surface", "sky", "extract_fragment"), (f"EXTRACT ({EXTRACTED[name]})",)
-        )
+        array = self._programs.screen(("brdf", "surface", "sky", "extract_fragment"), (f"EXTRACT ({EXTRACTED[name]})",))
         axes = np.diag([1.0, -1.0, 1.0]) @ view.shot.camera.view[:3, :3]
         assign(array.program, image_axes=matrix(axes))
         g.draw_to("extracted")

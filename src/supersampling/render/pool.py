@@ -137,9 +137,7 @@ def _as_raised(by_user: bool, text: str) -> Exception:
     return UserError(text) if by_user else RuntimeError(f"A rendering process failed:\n{text}")
 
 
-def _worker(
-    order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool, str]]", parent: int
-) -> None:
+def _worker(order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool, str]]", parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
 
     def step() -> None:

@@ -50,9 +50,7 @@ def heading(route: Route, points: Vector, distance: Vector, eye: Vector) -> Vect
         forward = along(focus, distance * (route_length(focus) / max(length, 1e-9))) - eye
     else:
         reach = 0.15 * length
-        forward = along(points, np.minimum(distance + reach, length)) - along(
-            points, np.maximum(distance - reach, 0.0)
-        )
+        forward = along(points, np.minimum(distance + reach, length)) - along(points, np.maximum(distance - reach, 0.0))
     forward = forward / np.maximum(np.linalg.norm(forward, axis=1, keepdims=True), 1e-9)
     forward[:, 1] = np.clip(forward[:, 1], -0.6, 0.6)
     return forward
@@ -83,14 +81,10 @@ class Rail:
             # Straight above or below its focus a camera has no yaw: it turns evenly from the one before to the one after.
             known = np.unwrap(np.arctan2(forward[aimed, 0], -forward[aimed, 2]))
             yaw = np.interp(part, part[aimed], known)
-        pitch = np.arctan2(
-            forward[:, 1], np.maximum(level, 0.8)
-        )  # 0.8: a steep heading is no steeper than 37 degrees
+        pitch = np.arctan2(forward[:, 1], np.maximum(level, 0.8))  # 0.8: a steep heading is no steeper than 37 degrees
         self._eye = CubicSpline(part, gaussian_filter1d(eye, _EYE_BLUR * _KNOTS, axis=0, mode="nearest"))
         heads = np.stack((yaw, pitch), axis=1)
-        self._head = CubicSpline(
-            part, gaussian_filter1d(heads, _HEADING_BLUR * _KNOTS, axis=0, mode="nearest")
-        )
+        self._head = CubicSpline(part, gaussian_filter1d(heads, _HEADING_BLUR * _KNOTS, axis=0, mode="nearest"))
 
     @classmethod
     def of(cls, route: Route, rng: np.random.Generator) -> "Rail":

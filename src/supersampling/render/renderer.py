@@ -107,9 +107,7 @@ class Renderer:
 
     def look(self, shot: Shot, scale: int) -> dict[str, Image]:
         """Colour and motion for a first look, with coarse shadows: a new place then costs little."""
-        view = self._view(
-            shot, shot.window, (shot.window.width // scale, shot.window.height // scale), (0.0, 0.0)
-        )
+        view = self._view(shot, shot.window, (shot.window.width // scale, shot.window.height // scale), (0.0, 0.0))
         g = self._passes.surface(view, -math.log2(scale), Needs(surface=True, motion=True))
         self._passes.light(g, view, radiance=False, coarse=True)
         return {"color": g.read_image("color", 3), "motion": g.read("motion")[..., :2]}
@@ -140,9 +138,7 @@ class Renderer:
         for y in range(0, window.height, side):
             for x in range(0, window.width, side):
                 width, height = min(side, window.width - x), min(side, window.height - y)
-                tile = Window(
-                    window.frame_width, window.frame_height, window.x + x, window.y + y, width, height
-                )
+                tile = Window(window.frame_width, window.frame_height, window.x + x, window.y + y, width, height)
                 for name, image in self._averaged(shot, tile, samples, mip_bias, averaged):
                     out[name][y : y + height, x : x + width] = image
         return out

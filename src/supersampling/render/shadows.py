@@ -29,9 +29,7 @@ _DEPTH_CLAMP = 0x864F
 _TO_TEXTURE = np.array([[0.5, 0, 0, 0.5], [0, 0.5, 0, 0.5], [0, 0, 0.5, 0.5], [0, 0, 0, 1.0]])
 
 
-def depth_map(
-    ctx: moderngl.Context, width: int, height: int
-) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
+def depth_map(ctx: moderngl.Context, width: int, height: int) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
     """A depth texture that compares and filters, cleared to far."""
     texture = ctx.depth_texture((width, height))
     texture.compare_func = "<="
@@ -94,15 +92,11 @@ class SunShadows:
     def __init__(self, ctx: moderngl.Context, gpu: GpuScene, casters: Casters, sun: Sun, size: int) -> None:
         self._gpu, self._casters = gpu, casters
         self.direction = np.asarray(sun.direction, np.float64) / np.linalg.norm(sun.direction)
-        aside = np.cross(
-            [0.0, 1.0, 0.0] if abs(self.direction[1]) < 0.99 else [1.0, 0.0, 0.0], self.direction
-        )
+        aside = np.cross([0.0, 1.0, 0.0] if abs(self.direction[1]) < 0.99 else [1.0, 0.0, 0.0], self.direction)
         aside /= np.linalg.norm(aside)
         self._axes = np.stack([aside, np.cross(self.direction, aside), self.direction])  # world to light
         lo, hi = gpu.bounds
-        corners = (
-            np.array([[(lo, hi)[(k >> a) & 1][0, a] for a in range(3)] for k in range(8)]) @ self._axes.T
-        )
+        corners = np.array([[(lo, hi)[(k >> a) & 1][0, a] for a in range(3)] for k in range(8)]) @ self._axes.T
         self._low, self._high = corners.min(axis=0), corners.max(axis=0)
         half = float((self._high - self._low)[:2].max()) / 2.0 * 1.01 + 0.1
         self._far = Region((self._high + self._low)[:2] / 2.0, half)
@@ -188,9 +182,7 @@ def face_axes() -> NDArray[np.float64]:
 class PointShadows:
     """Cube maps of the shadowed point lights as rows of tiles; texture units 7 (static), 8 (moving)."""
 
-    def __init__(
-        self, ctx: moderngl.Context, gpu: GpuScene, casters: Casters, lights: list[PointLight]
-    ) -> None:
+    def __init__(self, ctx: moderngl.Context, gpu: GpuScene, casters: Casters, lights: list[PointLight]) -> None:
         self._gpu, self._casters, self._lights = gpu, casters, lights
         rows = max(len(lights), 1)
         self._map, self._buffer = depth_map(ctx, 6 * CUBE_FACE, rows * CUBE_FACE)
@@ -200,9 +192,7 @@ class PointShadows:
         self._stale = np.zeros(len(lights), dtype=bool)
         self.moving = np.zeros(len(lights), dtype=bool)
 
-    def _render(
-        self, row: int, buffer: moderngl.Framebuffer, face_size: int, chosen: NDArray[np.bool_]
-    ) -> bool:
+    def _render(self, row: int, buffer: moderngl.Framebuffer, face_size: int, chosen: NDArray[np.bool_]) -> bool:
         light = self._lights[row]
         position = np.asarray(light.position, np.float64)
         near = chosen & touches_sphere(self._gpu.boxes, position, light.radius)
@@ -219,9 +209,7 @@ class PointShadows:
             )
             project[3, 2] = 1.0
             buffer.viewport = (face * face_size, row * face_size, face_size, face_size)
-            self._casters.draw(
-                buffer, project @ world, near & visible(self._gpu.boxes, planes_of(project @ world))
-            )
+            self._casters.draw(buffer, project @ world, near & visible(self._gpu.boxes, planes_of(project @ world)))
         return True
 
     def update(self, rows: list[int]) -> None:

@@ -33,9 +33,7 @@ class Rendered(Source):
     ) -> None:  # fmt: skip
         self._scenes = [scenes] if isinstance(scenes, str) else list(scenes)
         if not self._scenes:
-            raise UserError(
-                "scene=[] names no scene: use for example scene=[atrium,foundry] or scene=stk/zengarden."
-            )
+            raise UserError("scene=[] names no scene: use for example scene=[atrium,foundry] or scene=stk/zengarden.")
         self._path = None if path is None else Path(path)
         self._origins = dict.fromkeys(self._scenes, "")
         if "gltf" in self._scenes:
@@ -62,8 +60,7 @@ class Rendered(Source):
         from supersampling.render.gltf import fingerprint
 
         named = {
-            f"gltf/{self._path.stem}" if name == "gltf" else name: origin
-            for name, origin in self._origins.items()
+            f"gltf/{self._path.stem}" if name == "gltf" else name: origin for name, origin in self._origins.items()
         }
         self._origins = named | {f"gltf/{self._path.stem}": f"gltf:{fingerprint(self._path)}"}
 

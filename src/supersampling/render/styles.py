@@ -75,9 +75,7 @@ def walk(route: Route, rng: np.random.Generator, frames: int) -> Poses:
         distance = distance[::-1].copy()
     eye = along(points, distance)
     forward = heading(route, points, distance, eye)
-    forward[
-        np.hypot(forward[:, 0], forward[:, 2]) < 1e-6, 2
-    ] = -1.0  # no heading: a point, or a route straight up
+    forward[np.hypot(forward[:, 0], forward[:, 2]) < 1e-6, 2] = -1.0  # no heading: a point, or a route straight up
     yaw, pitch = _glances(rng, travelled)
     return Poses(eye, _turned(forward, yaw, pitch), np.zeros(frames))
 
@@ -100,9 +98,7 @@ def stops(route: Route, rng: np.random.Generator, frames: int) -> Poses:
     stop = np.concatenate((ramp[::-1], np.zeros(STOP - 1), ramp))
     begin = int(rng.integers(1, 30 - STOP))
     while begin < frames:
-        pace[begin : begin + len(stop)] = (
-            stop  # shifted by the ramp, so that a stop may begin before the clip does
-        )
+        pace[begin : begin + len(stop)] = stop  # shifted by the ramp, so that a stop may begin before the clip does
         begin += STOP + int(rng.integers(20, 61))
     travelled = _travelled(pace[_RAMP : _RAMP + frames])
     speed = rng.uniform(0.75, 1.5) * np.clip(rail.length / 6.0, 1.0, 6.0)

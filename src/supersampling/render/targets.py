@@ -55,8 +55,7 @@ class GBuffer:
         self.size, self.needs = size, needs
         self._ctx = ctx
         self._textures = {
-            name: ctx.texture(size, *_FORMATS[name][:1], dtype=_FORMATS[name][1])
-            for name in needs.attachments
+            name: ctx.texture(size, *_FORMATS[name][:1], dtype=_FORMATS[name][1]) for name in needs.attachments
         }
         for texture in self._textures.values():
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)

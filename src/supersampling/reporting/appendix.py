@@ -67,9 +67,7 @@ def appendix(cells: Sequence[Cell], material: Material) -> dict[str, Any]:
             for id, key in keys.items()
         ],
         "cells": [[name, " ".join(keys[run.id] for run in chosen)] for name, chosen in cells],
-        "problems": [
-            [keys.get(id, id[:12]), why] for id, why in sorted(material.store.problems.items()) if id in keys
-        ],
+        "problems": [[keys.get(id, id[:12]), why] for id, why in sorted(material.store.problems.items()) if id in keys],
     }
 
 
@@ -77,7 +75,5 @@ def link(run_id: str, material: Material) -> str:
     """The run's page in the MLflow UI; empty where the store is no server."""
     uri = material.store.uri.rstrip("/")
     return (
-        f"{uri}/#/experiments/{material.experiment.id}/runs/{run_id}"
-        if uri.startswith(("http://", "https://"))
-        else ""
+        f"{uri}/#/experiments/{material.experiment.id}/runs/{run_id}" if uri.startswith(("http://", "https://")) else ""
     )

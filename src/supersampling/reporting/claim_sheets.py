@@ -48,9 +48,7 @@ def sheet(judged: Sequence[Judged], paper: Paper) -> Sheet:
     body = []
     for item in judged:
         claim = item.claim
-        ours = " ".join(
-            text for text in (_mean(item.effect, claim), _bracketed(_interval(item.effect, claim))) if text
-        )
+        ours = " ".join(text for text in (_mean(item.effect, claim), _bracketed(_interval(item.effect, claim))) if text)
         body.append(
             [
                 Text(claim.id),
@@ -64,9 +62,7 @@ def sheet(judged: Sequence[Judged], paper: Paper) -> Sheet:
         )
     heads = ["claim", "statement", "where", paper.short, "ours (95% interval)", "verdict", "remarks"]
     summary = ", ".join(f"{count} {verdict}" for verdict, count, _ in counts(judged))
-    return Sheet(
-        "claims", f"Claims {paper.of}".rstrip(".") + ".", [], heads, body, len(heads), [f"{summary}."]
-    )
+    return Sheet("claims", f"Claims {paper.of}".rstrip(".") + ".", [], heads, body, len(heads), [f"{summary}."])
 
 
 def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
@@ -98,9 +94,7 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
                 "setting": "" if chosen.setting is None else str(chosen.setting),
                 "needs": claim.needs,
                 "runs": "; ".join(
-                    f"{label}: {' '.join(run.id for run in runs)}"
-                    for label, runs in chosen.runs.items()
-                    if runs
+                    f"{label}: {' '.join(run.id for run in runs)}" for label, runs in chosen.runs.items() if runs
                 ),
             }
         )

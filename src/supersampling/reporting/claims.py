@@ -92,13 +92,9 @@ def judge(chosen: Chosen, tables: ClipTables) -> Judged:
     claim, labels = chosen.claim, list(chosen.runs)
     pairs = list(pairwise(labels))
     found = [
-        _difference(chosen.runs[later], chosen.runs[earlier], claim, tables, claim.times)
-        for earlier, later in pairs
+        _difference(chosen.runs[later], chosen.runs[earlier], claim, tables, claim.times) for earlier, later in pairs
     ]
-    steps = [
-        Step(f"{earlier} → {later}", value, side(claim, value))
-        for (earlier, later), value in zip(pairs, found)
-    ]
+    steps = [Step(f"{earlier} → {later}", value, side(claim, value)) for (earlier, later), value in zip(pairs, found)]
     effect = _difference(chosen.runs[labels[-1]], chosen.runs[labels[0]], claim, tables)
     verdict = _together([step.verdict for step in steps])
     reason = _reason(chosen, steps, verdict)

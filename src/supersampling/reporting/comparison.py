@@ -69,14 +69,10 @@ def compare(a: Group, b: Group, tables: ClipTables, metrics: Sequence[str] | Non
         raise UserError(f"run {without[0]} has no table of its clips: score it again with evaluate.py")
     common = [name for name in _metrics(tables[runs[0].id]) if all(name in tables[run.id] for run in runs)]
     if not common:
-        raise UserError(
-            f"'{a.label}' and '{b.label}' have no metric in common: score both with the same metrics=..."
-        )
+        raise UserError(f"'{a.label}' and '{b.label}' have no metric in common: score both with the same metrics=...")
     unknown = [name for name in metrics or () if name not in common]
     if unknown:
-        raise UserError(
-            f"metric={','.join(unknown)} was not logged by every run: choose from {', '.join(common)}"
-        )
+        raise UserError(f"metric={','.join(unknown)} was not logged by every run: choose from {', '.join(common)}")
     sides = _sides(a, b)
     found = []
     for name in metrics or common:
@@ -135,9 +131,7 @@ def text(a: Group, b: Group, compared: Sequence[Compared], tables: ClipTables) -
     heads = ["metric", "better", "a", "b", "a − b", f"{LEVEL:.0%} interval", "verdict"]
     body = [_row(item) for item in compared]
     widths = [max(len(row[i]) for row in [heads, *body]) for i in range(len(heads))]
-    lines = [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in [heads, *body]
-    ]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in [heads, *body]]
     return "\n".join([*_who(a, b), "", *lines, "", *_notes(a, b, compared, tables), ""])
 
 
@@ -159,8 +153,7 @@ def _row(item: Compared) -> list[str]:
 
 def _who(a: Group, b: Group) -> list[str]:
     return [
-        f"{key}: {group.label}, {_seeds(group)}, {_runs(group)}; {group.setting}"
-        for key, group in (("a", a), ("b", b))
+        f"{key}: {group.label}, {_seeds(group)}, {_runs(group)}; {group.setting}" for key, group in (("a", a), ("b", b))
     ]
 
 
@@ -185,9 +178,7 @@ def _notes(a: Group, b: Group, compared: Sequence[Compared], tables: ClipTables)
         notes = [f"± is half the {LEVEL:.0%} interval. {paired}; intervals speak about {about}."]
     for group in (a, b):
         if len(group.seeds) == 1:
-            notes.append(
-                f"{group.label} has one seed: a verdict is about these weights, not about another training."
-            )
+            notes.append(f"{group.label} has one seed: a verdict is about these weights, not about another training.")
         elif len(group.seeds) == 2:
             notes.append(
                 f"{group.label} has two seeds: they hardly tell how trainings scatter; a third narrows the interval."
@@ -202,9 +193,7 @@ def _notes(a: Group, b: Group, compared: Sequence[Compared], tables: ClipTables)
     for item in compared:
         lost = clips - item.difference.clips
         if lost:
-            notes.append(
-                f"{item.metric}: {_count(lost, 'clip')} left out, of which not every run has a value."
-            )
+            notes.append(f"{item.metric}: {_count(lost, 'clip')} left out, of which not every run has a value.")
         if item.verdict == NO_INTERVAL and item.difference.clips > 1:
             notes.append(f"{item.metric} is infinite on a clip (output equals target there): no interval.")
         if better(item.metric) is None:

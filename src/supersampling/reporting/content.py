@@ -121,8 +121,7 @@ def _pictures(methods: Sequence[Method], material: Material, made: Path) -> Data
         "crops": dataclasses.asdict(crops.crop_table(methods, material.crops, made)),
         "epipolar": dataclasses.asdict(epipolar.epipolar_table(methods, material.epipolar, made)),
         "states": [
-            dataclasses.asdict(table)
-            for table in states.state_tables(methods, material.states, material.crops, made)
+            dataclasses.asdict(table) for table in states.state_tables(methods, material.states, material.crops, made)
         ],
     }
 
@@ -137,9 +136,7 @@ def _figure(chosen: plots.FigureRuns, paper: Paper, material: Material, stem: Pa
     if chosen.setting is not None:
         notes.append(f"Ours: {chosen.setting}.")
     if chosen.missing:
-        notes.append(
-            f"Not run: {', '.join(chosen.missing)}" + (f" (sweeps={figure.sweep})." if figure.sweep else ".")
-        )
+        notes.append(f"Not run: {', '.join(chosen.missing)}" + (f" (sweeps={figure.sweep})." if figure.sweep else "."))
     return {"file": path.name if drawn else "", "caption": " ".join(note for note in notes if note)}
 
 
@@ -157,9 +154,7 @@ def _own_figures(material: Material, stem: Path) -> list[Data]:
         ("frames", frames, "PSNR of every test frame, clip after clip, for the leading configuration of each method, mean over "
             "its seeds."),
     ]  # fmt: skip
-    return [
-        {"file": f"{stem.name}_{name}.pdf", "caption": caption} for name, count, caption in captions if count
-    ]
+    return [{"file": f"{stem.name}_{name}.pdf", "caption": caption} for name, count, caption in captions if count]
 
 
 def _claims(judged: Sequence[Judged], paper: Paper, cells: Sequence[Cell]) -> Data:

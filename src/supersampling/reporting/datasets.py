@@ -39,11 +39,7 @@ def header(material: Material, used: Sequence[Run]) -> list[list[str]]:
             f"{count} in this report; {len(experiment.runs) - count} finished ones of other settings and "
             f"{experiment.unfinished} unfinished or failed ones not in it",
         ],
-        *(
-            [["incomplete", f"{broken} of the runs lack values; the appendix says which and why"]]
-            if broken
-            else []
-        ),
+        *([["incomplete", f"{broken} of the runs lack values; the appendix says which and why"]] if broken else []),
     ]
 
 

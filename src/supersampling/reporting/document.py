@@ -67,9 +67,7 @@ def _make(name: str, material: Material, build: Path, template: Path) -> None:
 
 def _typeset(build: Path) -> bytes:
     """The PDF of ``build/report.typ``; only the fonts inside typst, so that the bytes do not depend on the machine."""
-    return typst.compile(
-        str(build / TEMPLATE), root=str(build), ignore_system_fonts=True, timestamp=0, format="pdf"
-    )
+    return typst.compile(str(build / TEMPLATE), root=str(build), ignore_system_fonts=True, timestamp=0, format="pdf")
 
 
 def _publish(made: Path, output: Path, name: str) -> list[Path]:

@@ -48,9 +48,7 @@ def logged(runs: Sequence[Run], metric: str) -> Estimate | None:
     return Estimate(float(np.mean(values)), math.nan, math.nan, 0) if values else None
 
 
-def difference(
-    ours: Sequence[Run], theirs: Sequence[Run], metric: str, tables: ClipTables
-) -> Estimate | None:
+def difference(ours: Sequence[Run], theirs: Sequence[Run], metric: str, tables: ClipTables) -> Estimate | None:
     """``ours - theirs`` over the clips that both have, paired over clips; ``None`` without such clips."""
     both = _paired(ours, theirs, metric, tables)
     if both is None:
@@ -59,9 +57,7 @@ def difference(
     return paired_difference(one.to_numpy().T, other.to_numpy().T, scenes_of(one))
 
 
-def scene_differences(
-    ours: Sequence[Run], theirs: Sequence[Run], metric: str, tables: ClipTables
-) -> dict[str, float]:
+def scene_differences(ours: Sequence[Run], theirs: Sequence[Run], metric: str, tables: ClipTables) -> dict[str, float]:
     """Each scene's mean of ``ours - theirs`` over its clips and the seeds; empty without common clips."""
     both = _paired(ours, theirs, metric, tables)
     if both is None:

@@ -64,9 +64,7 @@ def _frame_line(ax: Axes, clips: Sequence[tuple[str, int]], series: dict[str, pd
         for clip in clips:
             y = _of_clip(values, clip)
             first = label if clip == clips[0] else None
-            ax.plot(
-                starts[clip] + np.arange(len(y)), y, style, color=COLOURS[index % len(COLOURS)], label=first
-            )
+            ax.plot(starts[clip] + np.arange(len(y)), y, style, color=COLOURS[index % len(COLOURS)], label=first)
     for before, clip in zip((None, *clips), clips):
         new_scene = before is None or before[0] != clip[0]
         ax.axvline(starts[clip] - 0.5, color="0.5" if new_scene else "0.85", linewidth=0.5, zorder=0)
@@ -102,9 +100,7 @@ def training_figure(found: Sequence[Method], store: Store, path: Path) -> int:
                 for seed, points in enumerate(line for line in lines if line):
                     steps, values = zip(*points)
                     name = label if seed == 0 else None
-                    ax.plot(
-                        np.array(steps), np.array(values), ".-", color=COLOURS[index], alpha=0.8, label=name
-                    )
+                    ax.plot(np.array(steps), np.array(values), ".-", color=COLOURS[index], alpha=0.8, label=name)
         axes[0].set_yscale("log")
         for ax, title in zip(axes, ("training loss", "validation PSNR (dB)")):
             ax.set_ylabel(title)
@@ -147,9 +143,7 @@ def scatter(ax: Axes, points: Sequence[tuple[str, float, Estimate]]) -> None:
         colour = COLOURS[index % len(COLOURS)]
         ax.plot(cost, value.mean, MARKS[index % len(MARKS)], color=colour, markersize=5)
         above = 5 if place % 2 == 0 else -11
-        ax.annotate(
-            label, (cost, value.mean), (0, above), textcoords="offset points", ha="center", color=colour
-        )
+        ax.annotate(label, (cost, value.mean), (0, above), textcoords="offset points", ha="center", color=colour)
     costs = [cost for _, cost, _ in points]
     if costs and max(costs) >= 10 * min(costs):
         ax.set_xscale("log")
@@ -158,6 +152,4 @@ def scatter(ax: Axes, points: Sequence[tuple[str, float, Estimate]]) -> None:
 
 def save(figure: Figure, path: Path) -> None:
     """As PDF without a date, so that the same runs give the same bytes."""
-    FigureCanvasPdf(figure).print_pdf(
-        path, metadata={"CreationDate": None, "Producer": None, "Creator": None}
-    )
+    FigureCanvasPdf(figure).print_pdf(path, metadata={"CreationDate": None, "Producer": None, "Creator": None})

@@ -45,10 +45,6 @@ def _sentence(lacking: Present) -> str:
     said = []
     for clips, names in together.items():
         scene, clip = clips[0]
-        where = (
-            f"clip {clip} of {scene}" if len(clips) == 1 else f"{len(clips)} clips, {scene} {clip} the first"
-        )
-        said.append(
-            f"{', '.join(names)} has no value on {where}: left out of every mean and difference with it"
-        )
+        where = f"clip {clip} of {scene}" if len(clips) == 1 else f"{len(clips)} clips, {scene} {clip} the first"
+        said.append(f"{', '.join(names)} has no value on {where}: left out of every mean and difference with it")
     return "; ".join(said)

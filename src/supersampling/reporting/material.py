@@ -75,9 +75,7 @@ class Material:
     @cached_property
     def judged(self) -> dict[str, list[claims.Judged]]:
         """Each paper's claims, by the paper's name."""
-        return {
-            one.paper.paper: [claims.judge(claim, self.clips) for claim in one.claims] for one in self.papers
-        }
+        return {one.paper.paper: [claims.judge(claim, self.clips) for claim in one.claims] for one in self.papers}
 
 
 def gather(
@@ -89,12 +87,8 @@ def gather(
     every = overview.methods(choice.pools[choice.setting], known)
     found = every if len(every) <= MAX_METHODS else [method for method in every if method.leading]
     leading = [run for method in found if method.leading for run in method.runs]
-    over_frames = [
-        run for one in chosen for figure in one.figures if figure.over_frames for run in figure_runs(figure)
-    ]
-    used = unique(
-        [run for method in found for run in method.runs] + [run for one in chosen for run in one.runs]
-    )
+    over_frames = [run for one in chosen for figure in one.figures if figure.over_frames for run in figure_runs(figure)]
+    used = unique([run for method in found for run in method.runs] + [run for one in chosen for run in one.runs])
     clips = {run: indexed(table) for run, table in store.tables(used, "clips").items()}
     for run_id, why in gaps(used, clips).items():
         store.note(run_id, why)

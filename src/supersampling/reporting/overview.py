@@ -50,9 +50,7 @@ def methods(runs: Sequence[Run], papers: Sequence[Paper]) -> list[Method]:
             if group is leader and own is not None and len(thetas) > 1:
                 label += f", loss.theta={own}"  # the leading theta would be left unsaid
             found.append(Method(label, one_per_seed(group), group is leader))
-    return sorted(
-        found, key=lambda method: (not method.classical, method.classical and method.average("test/psnr"))
-    )
+    return sorted(found, key=lambda method: (not method.classical, method.classical and method.average("test/psnr")))
 
 
 def _leader(groups: Sequence[list[Run]], papers: Sequence[Paper]) -> list[Run]:
@@ -70,9 +68,7 @@ def _leader(groups: Sequence[list[Run]], papers: Sequence[Paper]) -> list[Run]:
 
 def _label(run: Run, leader: Run) -> str:
     ours, theirs = settings(run), settings(leader)
-    differing = [
-        f"{name.removeprefix('model.')}={value}" for name, value in ours.items() if theirs.get(name) != value
-    ]
+    differing = [f"{name.removeprefix('model.')}={value}" for name, value in ours.items() if theirs.get(name) != value]
     return ", ".join([leader.method, *differing])
 
 
@@ -102,26 +98,18 @@ def summary(found: Sequence[Method], tables: ClipTables) -> Sheet:
         "No classical method was run: differences have no base.",
         "“unresolved”: the interval holds 0. A number in brackets is the spread of the mean PSNR over seeds (highest − lowest).",
     ]  # fmt: skip
-    return Sheet(
-        "overview", "All methods on this data set.", [], heads, rows, 1, notes, _first_learned(found)
-    )
+    return Sheet("overview", "All methods on this data set.", [], heads, rows, 1, notes, _first_learned(found))
 
 
 def _summary_row(method: Method, base: Method | None, tables: ClipTables) -> list[Text]:
     psnr, ssim = (estimate(method.runs, name, tables) for name in ("psnr", "ssim"))
-    delta = (
-        difference(method.runs, base.runs, "psnr", tables)
-        if base is not None and method is not base
-        else None
-    )
+    delta = difference(method.runs, base.runs, "psnr", tables) if base is not None and method is not base else None
     minutes, parameters = method.average("train/minutes"), method.average("model/parameters")
     return [
         Text(method.label),
         Text(number(psnr, 2)) if psnr else Text(NOT_RUN, "muted"),
         Text(number(ssim, 4)) if ssim else Text(NOT_RUN, "muted"),
-        Text(f"{delta.mean:+.2f}".replace("-", "−"))
-        if delta
-        else Text("base" if method is base else "", "muted"),
+        Text(f"{delta.mean:+.2f}".replace("-", "−")) if delta else Text("base" if method is base else "", "muted"),
         _interval(delta),
         Text("" if math.isnan(minutes) else f"{minutes:.1f}"),
         Text("" if math.isnan(parameters) else f"{parameters:,.0f}".replace(",", " ")),
@@ -145,16 +133,12 @@ def _seeds(method: Method) -> str:
 def by_scene(found: Sequence[Method], tables: ClipTables) -> list[Sheet]:
     """PSNR and SSIM of each method on each scene; many scenes go on over several sheets."""
     logged = [method for method in found if any(run.id in tables for run in method.runs)]
-    scenes = sorted(
-        {scene for m in logged for run in m.runs if run.id in tables for scene in tables[run.id]["scene"]}
-    )
+    scenes = sorted({scene for m in logged for run in m.runs if run.id in tables for scene in tables[run.id]["scene"]})
     chunks = [scenes[i : i + SCENES_A_SHEET] for i in range(0, len(scenes), SCENES_A_SHEET)]
     return [_scene_sheet(logged, tables, chunk, index, len(chunks)) for index, chunk in enumerate(chunks)]
 
 
-def _scene_sheet(
-    found: Sequence[Method], tables: ClipTables, scenes: list[str], index: int, of: int
-) -> Sheet:
+def _scene_sheet(found: Sequence[Method], tables: ClipTables, scenes: list[str], index: int, of: int) -> Sheet:
     rows: list[list[Text]] = []
     counts = dict.fromkeys(scenes, 0)
     for method in found:

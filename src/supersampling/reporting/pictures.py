@@ -57,8 +57,6 @@ def worst_window(outputs: Sequence[Image8], target: Image8, width: int, height: 
     """Top-left ``(x, y)`` of the window with the largest absolute error summed over the methods."""
     error = np.asarray(sum(np.abs(image.astype(np.float64) - target).mean(axis=2) for image in outputs))
     table = np.pad(error.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    sums = (
-        table[height:, width:] - table[:-height, width:] - table[height:, :-width] + table[:-height, :-width]
-    )
+    sums = table[height:, width:] - table[:-height, width:] - table[height:, :-width] + table[:-height, :-width]
     y, x = np.unravel_index(int(sums.argmax()), sums.shape)
     return int(x), int(y)

@@ -55,8 +55,7 @@ def choose_figure(figure: PublishedFigure, choice: Choice) -> FigureRuns:
         }
         cells = choose_runs(pool, keys).cells
         points = {
-            label: {x: cells[label, x] for one, x in keys if one == label and cells[label, x]}
-            for label in selections
+            label: {x: cells[label, x] for one, x in keys if one == label and cells[label, x]} for label in selections
         }
         found = FigureRuns(figure, setting, points)
         if len(found.missing) < len(best.missing):
@@ -84,9 +83,7 @@ def draw(chosen: FigureRuns, clips: ClipTables, frames: ClipTables, label: str, 
     draws: dict[str, Callable[[Axes], int]] = {
         "box": lambda ax: _boxes(ax, chosen, clips),
         "bars": lambda ax: _bars(ax, chosen, clips),
-        "curve": lambda ax: _frame_curve(ax, chosen, frames)
-        if chosen.over_frames
-        else _curve(ax, chosen, clips),
+        "curve": lambda ax: _frame_curve(ax, chosen, frames) if chosen.over_frames else _curve(ax, chosen, clips),
         "front": lambda ax: _front(ax, chosen, clips),
     }
     with matplotlib.rc_context(STYLE):
@@ -170,15 +167,11 @@ def _frame_curve(ax: Axes, chosen: FigureRuns, frames: ClipTables) -> int:
     """The metric over a clip's frames, mean over clips and seeds."""
     drawn = 0
     for index, (label, runs) in enumerate(_runs(chosen).items()):
-        tables = [
-            frames[run.id] for run in runs if run.id in frames and chosen.figure.metric in frames[run.id]
-        ]
+        tables = [frames[run.id] for run in runs if run.id in frames and chosen.figure.metric in frames[run.id]]
         if not tables:
             continue
         every = pd.concat([table[["frame", chosen.figure.metric]] for table in tables])
-        means = (
-            every.replace([np.inf, -np.inf], np.nan).groupby("frame")[chosen.figure.metric].mean().dropna()
-        )
+        means = every.replace([np.inf, -np.inf], np.nan).groupby("frame")[chosen.figure.metric].mean().dropna()
         style = DASHES[index // len(COLOURS) % len(DASHES)]
         x = means.index.to_numpy(dtype=float)
         ax.plot(x, means.to_numpy(), style, color=COLOURS[index % len(COLOURS)], label=label)

@@ -23,9 +23,7 @@ def load_papers(folder: Path, name: str | None) -> list[Paper]:
         return [load_paper(folder / f"{name}.yaml")]
     paths = sorted(folder.glob("*.yaml"))
     if not paths:
-        raise UserError(
-            f"there are no published numbers in '{folder}': set published to a folder that has them"
-        )
+        raise UserError(f"there are no published numbers in '{folder}': set published to a folder that has them")
     return [load_paper(path) for path in paths]
 
 
@@ -44,9 +42,7 @@ def load_paper(path: Path) -> Paper:
     for fact in paper.facts:
         for row in fact.rows:
             if len(row) != len(fact.headers):
-                raise UserError(
-                    f"{path}: facts {fact.number}: row {row} must have a cell for each of {fact.headers}"
-                )
+                raise UserError(f"{path}: facts {fact.number}: row {row} must have a cell for each of {fact.headers}")
     for figure in paper.figures:
         _check_figure(figure, f"{path}: figure {figure.number}")
     for claim in paper.claims:
@@ -106,22 +102,16 @@ def _check_table(table: PublishedTable, paper: Paper, where: str) -> None:
         raise UserError(f"{where}: columns compared along a row must have the same metrics")
     for row in table.rows:
         if [len(values) for values in row.values] != expected:
-            raise UserError(
-                f"{where}: row {row.labels} must hold {expected} numbers by column, got {row.values}"
-            )
+            raise UserError(f"{where}: row {row.labels} must hold {expected} numbers by column, got {row.values}")
         if len(row.labels) != len(table.headers):
             raise UserError(f"{where}: row {row.labels} must have one label for each of {table.headers}")
         if not table.lost and any(value is None for values in row.values for value in values):
-            raise UserError(
-                f"{where}: row {row.labels} has a null, so `lost` must say what is missing and why"
-            )
+            raise UserError(f"{where}: row {row.labels} has a null, so `lost` must say what is missing and why")
 
 
 def _check_figure(figure: PublishedFigure, where: str) -> None:
     if figure.kind in ("curve", "front") and figure.x is None:
-        raise UserError(
-            f"{where}: a {figure.kind} needs x, a run parameter or metric, or 'frame' for a curve"
-        )
+        raise UserError(f"{where}: a {figure.kind} needs x, a run parameter or metric, or 'frame' for a curve")
     _check_unique((series.label for series in figure.series), f"{where}: series' labels")
 
 
@@ -138,16 +128,12 @@ def _check_claim(claim: Claim, paper: Paper, where: str) -> None:
         raise UserError(f"{where}: kind '{claim.kind}' needs a and b, and no steps")
     elif claim.a == claim.b:
         raise UserError(f"{where}: a and b are the same selection")
-    if (claim.kind == "same") != (claim.margin is not None) or (
-        claim.margin is not None and claim.margin <= 0
-    ):
+    if (claim.kind == "same") != (claim.margin is not None) or (claim.margin is not None and claim.margin <= 0):
         raise UserError(
             f"{where}: kind 'same' needs a margin above 0, others have none, got margin {claim.margin} of '{claim.kind}'"
         )
 
-    if claim.times != 1.0 and not (
-        claim.times > 1.0 and claim.kind == "less" and claim.metric.startswith("run:")
-    ):
+    if claim.times != 1.0 and not (claim.times > 1.0 and claim.kind == "less" and claim.metric.startswith("run:")):
         raise UserError(
             f"{where}: times is a factor above 1 of a logged number that is less, got {claim.times:g} of '{claim.kind}'"
         )
@@ -161,9 +147,7 @@ def _build(cls: type[T], raw: Any, where: str) -> T:
     unknown = sorted(set(map(str, raw)) - set(known))
     if unknown:
         raise UserError(f"{where}: unknown keys {unknown}, known are {sorted(known)}")
-    optional = {
-        name for name, f in known.items() if f.default is not MISSING or f.default_factory is not MISSING
-    }
+    optional = {name for name, f in known.items() if f.default is not MISSING or f.default_factory is not MISSING}
     missing = sorted(set(known) - optional - set(raw))
     if missing:
         raise UserError(f"{where}: missing keys {missing}")

@@ -95,13 +95,9 @@ class Store:
             finished, unfinished = self._jobs(found.experiment_id, kinds) if found is not None else ([], 0)
         except (MlflowException, OSError) as error:
             reason = str(error).splitlines()[0][:200]
-            raise UserError(
-                f"the MLflow store '{self.uri}' does not answer ({reason}): check tracking_uri"
-            ) from error
+            raise UserError(f"the MLflow store '{self.uri}' does not answer ({reason}): check tracking_uri") from error
         if found is None:
-            raise UserError(
-                f"the MLflow store '{self.uri}' has no experiment '{name}': train first, or set experiment"
-            )
+            raise UserError(f"the MLflow store '{self.uri}' has no experiment '{name}': train first, or set experiment")
         if not finished:
             raise UserError(
                 f"the experiment '{name}' in '{self.uri}' has no finished run ({unfinished} others): train first"

@@ -123,10 +123,7 @@ def _named(groups: Sequence[Group]) -> str:
 def _differences(groups: Sequence[Group]) -> str:
     """Each group's first run's id with the settings in which the groups differ."""
     each = [{**settings(g.runs[0]), "dataset": g.setting.dataset, "budget": g.setting.budget} for g in groups]
-    names = [
-        name for name in sorted({n for one in each for n in one}) if len({one.get(name) for one in each}) > 1
-    ]
+    names = [name for name in sorted({n for one in each for n in one}) if len({one.get(name) for one in each}) > 1]
     return "; ".join(
-        " ".join([g.runs[0].id[:SHORT], *(f"{name}={one.get(name)}" for name in names)])
-        for g, one in zip(groups, each)
+        " ".join([g.runs[0].id[:SHORT], *(f"{name}={one.get(name)}" for name in names)]) for g, one in zip(groups, each)
     )

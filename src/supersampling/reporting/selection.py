@@ -21,14 +21,10 @@ Settings = dict[str, str]
 
 def matches(run: Run, selection: Selection) -> bool:
     """Whether every named parameter has the selected value, of ``one|other`` either; numbers compare as numbers."""
-    return all(
-        any(_same(run.params.get(name), one) for one in value.split("|")) for name, value in selection.items()
-    )
+    return all(any(_same(run.params.get(name), one) for one in value.split("|")) for name, value in selection.items())
 
 
-def pools_for(
-    choice: Choice, selections: Iterable[Selection], prefer: Selection
-) -> list[tuple[Setting, list[Run]]]:
+def pools_for(choice: Choice, selections: Iterable[Selection], prefer: Selection) -> list[tuple[Setting, list[Run]]]:
     """The pools that can fill any of the selections, those of the preferred parameters first.
 
     Where the selections differ in the task (``task.scale`` 2 and 4) no data set holds them all: then the pools of one
@@ -94,9 +90,7 @@ def choose_runs(runs: Sequence[Run], selections: Mapping[Key, Selection]) -> Cho
     swept = {name for selection in selections.values() for name in selection}
     # What every cell leaves open in the same way is as good as unnamed.
     swept -= {
-        name
-        for name in swept
-        if len(values := {s.get(name) for s in selections.values()}) == 1 and "|" in str(values)
+        name for name in swept if len(values := {s.get(name) for s in selections.values()}) == 1 and "|" in str(values)
     }
     if _sweep_tasks(selections.values()):
         swept |= FOLLOWS_TASK
@@ -153,9 +147,7 @@ def _leaders(found: Mapping[Key, Sequence[Run]], swept: set[str]) -> dict[str, S
             cells[variant].add(key)
             count[variant] += 1
             newest[variant] = max(newest[variant], run.ended)
-    ranked = sorted(
-        cells, key=lambda variant: (len(cells[variant]), count[variant], newest[variant], variant[1])
-    )
+    ranked = sorted(cells, key=lambda variant: (len(cells[variant]), count[variant], newest[variant], variant[1]))
     return {model: dict(variant) for model, variant in ranked}
 
 

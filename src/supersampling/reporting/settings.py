@@ -57,9 +57,7 @@ def choose(runs: Sequence[Run], dataset: str | None, budget: str | None) -> Choi
         hits = [name for name in known if name.startswith(dataset)]
         if len(hits) != 1:
             problem = "names no data set" if not hits else "names several data sets"
-            raise UserError(
-                f"dataset='{dataset}' {problem} of the experiment: choose one of {', '.join(known)}"
-            )
+            raise UserError(f"dataset='{dataset}' {problem} of the experiment: choose one of {', '.join(known)}")
         runs = [run for run in runs if run.dataset == hits[0]]
     if budget is not None:
         budget = _family(budget)
@@ -74,9 +72,7 @@ def choose(runs: Sequence[Run], dataset: str | None, budget: str | None) -> Choi
         far = (setting != best, setting.dataset != best.dataset, setting.data != best.data)
         return (*far, -len(pools[setting]), -newest(pools[setting]), setting)
 
-    return Choice(
-        best, {key: pools[key] for key in sorted(pools, key=order) if key.budget in (best.budget, UNTRAINED)}
-    )
+    return Choice(best, {key: pools[key] for key in sorted(pools, key=order) if key.budget in (best.budget, UNTRAINED)})
 
 
 def _pools(runs: Sequence[Run]) -> dict[Setting, list[Run]]:

@@ -40,13 +40,9 @@ def markdown(sheet: Sheet) -> str:
     align = ["---"] * sheet.labels + ["---:"] * (len(heads) - sheet.labels)
     wrap = {"plain": "{}", "bold": "**{}**", "underline": "<u>{}</u>", "muted": "*{}*"}
     wrap |= dict.fromkeys(VERDICT_COLOURS, "**{}**")
-    body = [
-        [wrap[cell.style].format(_pipe(cell.text)) if cell.text else "" for cell in row] for row in sheet.rows
-    ]
+    body = [[wrap[cell.style].format(_pipe(cell.text)) if cell.text else "" for cell in row] for row in sheet.rows]
     lines = [f"| {' | '.join(row)} |" for row in (heads, align, *body)]
-    return "\n".join(
-        [f"**{_pipe(sheet.title)}**", "", *lines, "", *(f"{note}  " for note in sheet.notes), ""]
-    )
+    return "\n".join([f"**{_pipe(sheet.title)}**", "", *lines, "", *(f"{note}  " for note in sheet.notes), ""])
 
 
 def latex(sheet: Sheet) -> str:

@@ -67,9 +67,7 @@ def paired_difference(ours: ArrayLike, theirs: ArrayLike, scenes: ArrayLike | No
     """
     one, other = (np.atleast_2d(np.asarray(values, dtype=np.float64)) for values in (ours, theirs))
     if one.shape[1:] != other.shape[1:]:
-        raise ValueError(
-            f"a paired difference needs the same clips, got shapes {one.shape[1:]} and {other.shape[1:]}"
-        )
+        raise ValueError(f"a paired difference needs the same clips, got shapes {one.shape[1:]} and {other.shape[1:]}")
     return _estimate([one, -other], scenes)
 
 

@@ -50,9 +50,7 @@ def _verdicts(table: pd.DataFrame, source: str) -> list[Sheet]:
         source,
     ]
     by = dict(list(table.groupby(["extreme", "model"])))
-    rows = [
-        [Text(extreme), *(_verdict(by.get((extreme, model))) for model in models)] for extreme in extremes
-    ]
+    rows = [[Text(extreme), *(_verdict(by.get((extreme, model))) for model in models)] for extreme in extremes]
     pages = [range(k, min(k + ROWS_A_SHEET, len(rows))) for k in range(0, len(rows), ROWS_A_SHEET)]
     made = []
     for k, page in enumerate(pages):
@@ -105,19 +103,14 @@ def _recovery(table: pd.DataFrame, source: str) -> Sheet:
     faults, models = sorted(set(table["extreme"])), list(dict.fromkeys(table["model"]))
     heads, composed = _heads(models)
     by = {(row["extreme"], row["model"]): row for _, row in table.iterrows()}
-    rows = [
-        [Text(fault.partition("/")[2]), *(_frames(by.get((fault, model))) for model in models)]
-        for fault in faults
-    ]
+    rows = [[Text(fault.partition("/")[2]), *(_frames(by.get((fault, model))) for model in models)] for fault in faults]
     notes = [
         "Frames, the bad one among them, until the output is finite and half a step of 8 bits from the undisturbed roll-out, for "
         "good. “finite” where the distance still shrinks at the end: how fast a history is replaced, the model's gates say.",
         *composed,
         source,
     ]
-    return Sheet(
-        "stress_recovery", "Frames until clean after a bad one.", [], ["fault", *heads], rows, 1, notes
-    )
+    return Sheet("stress_recovery", "Frames until clean after a bad one.", [], ["fault", *heads], rows, 1, notes)
 
 
 def _frames(row: pd.Series | None) -> Text:

@@ -56,17 +56,13 @@ def _sheet(filled: Filled, paper: Paper, columns: range, part: int, parts: int) 
                 continue
             blank = [Text("") for _ in (*labels, *metric)]
             for whose, heads in ((0, [*labels, *metric]), (1, blank)):
-                body.append(
-                    [*heads, Text((paper.short, "ours")[whose], "muted"), *(pair[whose] for pair in pairs)]
-                )
+                body.append([*heads, Text((paper.short, "ours")[whose], "muted"), *(pair[whose] for pair in pairs)])
     label_heads = [*table.headers, *(["metric"] if names[0] else []), *([""] if stacked else [])]
     shown = [table.columns[column].label for column in columns]
     a_row = len(body) // len(table.rows)
     return Sheet(
         name=f"table{stem_of(table.number)}" + (f"_part{part + 1}" if parts > 1 else ""),
-        title=_ended(
-            f"{name_of(table.number)} {paper.of}" + (f", part {part + 1} of {parts}" if parts > 1 else "")
-        ),
+        title=_ended(f"{name_of(table.number)} {paper.of}" + (f", part {part + 1} of {parts}" if parts > 1 else "")),
         groups=[] if stacked else [*(("", 1) for _ in label_heads), *((label, 2) for label in shown)],
         headers=[*label_heads, *(shown if stacked else [paper.short, "ours"] * len(shown))],
         rows=body,
@@ -85,16 +81,12 @@ def metric_label(metric: Metric) -> str:
     )
 
 
-def _pair(
-    filled: Filled, paper: Paper, styles: Styles, row: int, column: int, line: int
-) -> tuple[Text, Text]:
+def _pair(filled: Filled, paper: Paper, styles: Styles, row: int, column: int, line: int) -> tuple[Text, Text]:
     """The published and our text of a cell's ``line``-th metric."""
     name = filled.table.columns[column].metrics[line]
     metric = paper.metrics[name]
     theirs = filled.table.rows[row].values[column][line]
-    published = (
-        Text(LOST, "muted") if theirs is None else Text(f"{theirs:.{metric.decimals}f}".replace("-", "−"))
-    )
+    published = Text(LOST, "muted") if theirs is None else Text(f"{theirs:.{metric.decimals}f}".replace("-", "−"))
     value = filled.values.get((row, column, name))
     if value is not None:
         return published, Text(number(value, metric.decimals), styles[row, column, name])

@@ -97,9 +97,7 @@ def _groups(table: PublishedTable) -> list[list[int]]:
 def _gap(cells: Sequence[list[Run]], tables: ClipTables) -> Estimate | None:
     """The lead of the best over the second mean PSNR among different runs."""
     distinct = {tuple(run.id for run in runs): runs for runs in cells}
-    scored = [
-        (value.mean, key) for key, runs in distinct.items() if (value := estimate(runs, "psnr", tables))
-    ]
+    scored = [(value.mean, key) for key, runs in distinct.items() if (value := estimate(runs, "psnr", tables))]
     if len(scored) < 2:
         return None
     best, second = (key for _, key in sorted(scored, reverse=True)[:2])

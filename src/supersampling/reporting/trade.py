@@ -193,9 +193,7 @@ def _stage_sheet(trade: Trade) -> Sheet:
             )
     heads = ["method", "how", "part", "ms", "share"]
     notes = [f"{first.machine}." if first is not None else ""]
-    return Sheet(
-        "stages", "What a frame's time is made of.", [], heads, rows, 3, [n for n in notes if n], rules
-    )
+    return Sheet("stages", "What a frame's time is made of.", [], heads, rows, 3, [n for n in notes if n], rules)
 
 
 def _here(stages: pd.DataFrame, place: Place) -> pd.Series:

@@ -47,9 +47,7 @@ def draw(trade: Trade, place: Place, path: Path) -> bool:
         figure.canvas = FigureCanvasAgg(figure)
         figure.draw_without_rendering()
         # The shortest label of a model is its leading configuration's: the others say what differs.
-        leading = list(
-            {x.split(VARIATION)[0].split()[0]: x for x in sorted(labels, key=len, reverse=True)}.values()
-        )
+        leading = list({x.split(VARIATION)[0].split()[0]: x for x in sorted(labels, key=len, reverse=True)}.values())
         _names(ax, found, dict(zip(leading, short_labels(leading))), colours)
         save(figure, path)
     return True
@@ -103,8 +101,7 @@ def _ticks(ax: Axes) -> None:
 def _legend(figure: Figure, found: Sequence[Candidate]) -> None:
     marks = _marks(found)
     handles = [
-        Line2D([], [], color="0.3", marker=mark, linestyle="", markersize=4, label=name)
-        for name, mark in marks.items()
+        Line2D([], [], color="0.3", marker=mark, linestyle="", markersize=4, label=name) for name, mark in marks.items()
     ]
     if any(one.timing.precision != EXACT for one in found):
         handles.append(
@@ -119,14 +116,10 @@ def _names(ax: Axes, found: Sequence[Candidate], short: dict[str, str], colours:
     """Each name once, at the method's fastest point in float32, where it covers no mark and no other name."""
     pixels = ax.figure.dpi / 72  # of a point
     centres = [ax.transData.transform((one.ms, one.quality.mean)) for one in found]
-    taken = [
-        Bbox.from_extents(x - 3 * pixels, y - 3 * pixels, x + 3 * pixels, y + 3 * pixels) for x, y in centres
-    ]
+    taken = [Bbox.from_extents(x - 3 * pixels, y - 3 * pixels, x + 3 * pixels, y + 3 * pixels) for x, y in centres]
     frame = ax.get_window_extent()
     named: set[str] = set()
-    for one, (x, y) in sorted(
-        zip(found, centres), key=lambda pair: (pair[0].timing.precision != EXACT, pair[0].ms)
-    ):
+    for one, (x, y) in sorted(zip(found, centres), key=lambda pair: (pair[0].timing.precision != EXACT, pair[0].ms)):
         if one.label in named or one.label not in short:
             continue
         named.add(one.label)
@@ -139,15 +132,11 @@ def _names(ax: Axes, found: Sequence[Candidate], short: dict[str, str], colours:
         taken.append(box)
         text.set_position(((box.x0 - x) / pixels, (box.y0 + box.y1 - 2 * y) / 2 / pixels))
         if abs((box.y0 + box.y1) / 2 - y) > 12 * pixels:  # far off: a thin line leads to the point
-            end = ax.transData.inverted().transform(
-                (min(max(x, box.x0), box.x1), box.y0 if box.y0 > y else box.y1)
-            )
+            end = ax.transData.inverted().transform((min(max(x, box.x0), box.x1), box.y0 if box.y0 > y else box.y1))
             ax.plot([one.ms, end[0]], [one.quality.mean, end[1]], color=colours[one.label], linewidth=0.3)
 
 
-def _free(
-    x: float, y: float, width: float, height: float, pixels: float, taken: Sequence[Bbox], frame: Bbox
-) -> Bbox:
+def _free(x: float, y: float, width: float, height: float, pixels: float, taken: Sequence[Bbox], frame: Bbox) -> Bbox:
     """The first place that covers nothing; else the one that covers least."""
     boxes = []
     for dx, dy in OFFSETS:
@@ -156,9 +145,7 @@ def _free(
         boxes.append(Bbox.from_extents(left, middle - height / 2, left + width, middle + height / 2))
 
     def covered(box: Bbox) -> float:
-        outside = not (
-            frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
-        )
+        outside = not (frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1)
         shared = (Bbox.intersection(box, other) for other in taken)
         return sum(b.width * b.height for b in shared if b is not None) + (1e6 if outside else 0.0)
 

@@ -88,7 +88,5 @@ def gradient_energy(image: Array) -> float:
     """
     values = image.astype(np.float64)
     power = float(np.square(values).mean())
-    steps = sum(
-        float(np.square(np.diff(values, axis=axis)).mean()) for axis in (-1, -2) if values.shape[axis] > 1
-    )
+    steps = sum(float(np.square(np.diff(values, axis=axis)).mean()) for axis in (-1, -2) if values.shape[axis] > 1)
     return steps / power if power > 0.0 else 0.0

@@ -26,9 +26,7 @@ class Clip:
 
     def __post_init__(self) -> None:
         if not 0 <= self.index < self.store.clips:
-            raise UserError(
-                f"{self.store.path} has no clip {self.index}: it holds {self.store.clips}, counted from 0."
-            )
+            raise UserError(f"{self.store.path} has no clip {self.index}: it holds {self.store.clips}, counted from 0.")
 
     @property
     def frames(self) -> int:

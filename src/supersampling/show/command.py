@@ -45,9 +45,7 @@ def _check(cfg: DictConfig) -> None:
     if cfg.video is not None:
         check_format(cfg.video)
     if cfg.fps is not None and (not isinstance(cfg.fps, (int, float)) or cfg.fps <= 0):
-        raise UserError(
-            f"fps={cfg.fps} is not possible: use a number above 0, or null for the data set's own."
-        )
+        raise UserError(f"fps={cfg.fps} is not possible: use a number above 0, or null for the data set's own.")
 
 
 def _buffers(cfg: DictConfig) -> frozenset[str]:
@@ -78,9 +76,7 @@ def _show_file(cfg: DictConfig, store: Store, names: frozenset[str]) -> Iterator
         raise UserError(f"{store.path} has no {missing[0]}: it holds {', '.join(sorted(store.buffers))}.")
     clip = Clip(store, cfg.clip, names)
     frame = clip.checked(cfg.frame)
-    sheet_size, video_size = (
-        display_size(clip.size, store.spec.scale, cfg[key]) for key in ("width", "video_width")
-    )
+    sheet_size, video_size = (display_size(clip.size, store.spec.scale, cfg[key]) for key in ("width", "video_width"))
     base = f"{store.path.stem}_clip{clip.index}"
     image = Image.fromarray(sheet(clip, frame, sheet_size, cfg.columns))
     yield _save(Path(cfg.out) / f"{base}_frame{frame}.png", lambda path: image.save(path, optimize=True))
@@ -101,9 +97,7 @@ def _save(path: Path, write: Callable[[Path], None]) -> Path:
         finally:
             beside.unlink(missing_ok=True)
     except OSError as error:
-        raise UserError(
-            f"Cannot write {path}: {error.strerror or error}. Set out to another folder."
-        ) from error
+        raise UserError(f"Cannot write {path}: {error.strerror or error}. Set out to another folder.") from error
     return path
 
 

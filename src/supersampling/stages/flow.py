@@ -94,9 +94,7 @@ class Estimated(Flow):
         before, previous_jitter = memory
         _, _, h, w = frame.color.shape
         pixels = self.estimate(frame.color, before)
-        return compensate_jitter(
-            pixels / pixels.new_tensor((w, h)).view(2, 1, 1), frame.jitter, previous_jitter
-        )
+        return compensate_jitter(pixels / pixels.new_tensor((w, h)).view(2, 1, 1), frame.jitter, previous_jitter)
 
     @abstractmethod
     def estimate(self, now: Tensor, before: Tensor) -> Tensor:

@@ -12,9 +12,7 @@ from supersampling.frames import BUFFERS, Frame
 
 # Numbers of objects mean nothing to a convolution, and depth is read by whoever has this slot.
 CHANNELS = {
-    b.name: b.channels
-    for b in BUFFERS.values()
-    if b.resolution == "low" and b.kind != "id" and b.name != "depth"
+    b.name: b.channels for b in BUFFERS.values() if b.resolution == "low" and b.kind != "id" and b.name != "depth"
 }
 
 

@@ -32,9 +32,7 @@ class FrontmostOfBlock(MotionGrid):
     def __init__(self, block: int) -> None:
         super().__init__()
         if block < 1:
-            raise UserError(
-                f"motion_grid.block must be 1 or more target pixels, got {block}; the paper has 8."
-            )
+            raise UserError(f"motion_grid.block must be 1 or more target pixels, got {block}; the paper has 8.")
         self.block = block
 
     def forward(self, motion: Tensor, depth: Tensor, scale: int) -> Tensor:

@@ -49,9 +49,7 @@ def drift_of(errors: Sequence[float]) -> float:
     return float(np.polynomial.Polynomial.fit(np.arange(len(errors)), errors, 1).convert().coef[1:].sum())
 
 
-def judge(
-    finite: bool, largest: float, mean: float, gradient: str, limits: tuple[float, float]
-) -> tuple[Verdict, str]:
+def judge(finite: bool, largest: float, mean: float, gradient: str, limits: tuple[float, float]) -> tuple[Verdict, str]:
     """The verdict against the ``limits`` on the largest and the mean error, and what breaks it."""
     if not finite:
         return "fails", "not finite"
@@ -72,7 +70,5 @@ def frame_of_cells(cells: Sequence[Cell]) -> pd.DataFrame:
 
 def summary(cells: Sequence[Cell]) -> str:
     """How many hold, fail and were not tried, in words."""
-    count = {
-        verdict: sum(cell.verdict == verdict for cell in cells) for verdict in ("holds", "fails", "not tried")
-    }
+    count = {verdict: sum(cell.verdict == verdict for cell in cells) for verdict in ("holds", "fails", "not tried")}
     return f"{count['holds']} cells hold, {count['fails']} fail, {count['not tried']} were not tried"

@@ -117,9 +117,7 @@ def clip_of(
 def frame_of(inputs: Mapping[str, Tensor], dtype: torch.dtype, device: str) -> Frame:
     """A frame of what `inputs_at` gave: rounded to float32, as all buffers are, and then in ``dtype``."""
     references = ("target", "target_radiance")
-    read = {
-        name: values.float().to(device, dtype) for name, values in inputs.items() if name not in references
-    }
+    read = {name: values.float().to(device, dtype) for name, values in inputs.items() if name not in references}
     return Frame(**read)
 
 

@@ -59,9 +59,7 @@ def stress_command(cfg: DictConfig) -> bool:
     tried = sources(cfg, models, device)
     experiment = experiment_of(cfg)
     started = time.monotonic()
-    run = experiment.start(
-        "stress", {"ss.kind": "stress", "ss.method": ", ".join(s.name for s in tried)}, None
-    )
+    run = experiment.start("stress", {"ss.kind": "stress", "ss.method": ", ".join(s.name for s in tried)}, None)
     status = "FAILED"
     try:
         cells = list(all_cells(tried, extremes, precisions, budget, size, device))
@@ -127,9 +125,7 @@ def all_cells(
 
 def size_of(size: Sequence[object]) -> tuple[int, int]:
     """Width and height of the low resolution where an extreme has none of its own."""
-    if len(size) != 2 or not all(
-        isinstance(n, int) and not isinstance(n, bool) and 1 <= n <= 2**13 for n in size
-    ):
+    if len(size) != 2 or not all(isinstance(n, int) and not isinstance(n, bool) and 1 <= n <= 2**13 for n in size):
         raise UserError(
             f"size={list(size)} is not possible: use [width,height] of the low-resolution input in pixels, at most 8192."
         )

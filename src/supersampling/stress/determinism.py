@@ -27,9 +27,7 @@ def _apart(first: list[Tensor], second: list[Tensor]) -> Distance:
     return found
 
 
-def compared(
-    model: Upsampler, size: tuple[int, int], device: str
-) -> Iterator[tuple[str, str, float, Distance]]:
+def compared(model: Upsampler, size: tuple[int, int], device: str) -> Iterator[tuple[str, str, float, Distance]]:
     """Name, sentence, tolerance, distance."""
     clip = clip_of(model.requires, FRAMES, *size, model.scale, batch=BATCH)
     once = outputs(model, clip, device)

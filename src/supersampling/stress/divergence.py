@@ -35,9 +35,7 @@ AGREES = 0.003  # of a growth per frame with the closed form: an image of 64 pix
 
 def motion_of(pixels: tuple[float, float], size: int) -> Tensor:
     """``(1, 2, size, size)`` of one motion everywhere."""
-    return (
-        (torch.tensor(pixels, dtype=torch.float64) / size).view(1, 2, 1, 1).expand(1, 2, size, size).clone()
-    )
+    return (torch.tensor(pixels, dtype=torch.float64) / size).view(1, 2, 1, 1).expand(1, 2, size, size).clone()
 
 
 def growth(stage: Reproject, fraction: float, side: int = SIDE, frames: int = FRAMES) -> tuple[float, int]:
@@ -121,7 +119,9 @@ def _growths(kernel: Kernel, stage: Reproject) -> Iterator[Cell]:
 
 def _one_way(kernel: Kernel, stage: Reproject) -> Cell:
     value, truth = one_way(stage, 0.5), kernel.gain(0.5, 0.0) ** (2 * SIDE)
-    says = "Largest factor while noise moves out of the image, half a pixel a frame; the gain to the power of the frames."
+    says = (
+        "Largest factor while noise moves out of the image, half a pixel a frame; the gain to the power of the frames."
+    )
     return _cell("one way 0.5", 2 * SIDE, value, truth, value <= truth, "the gain's power", says)
 
 
@@ -130,9 +130,7 @@ def _tus(make: Make, frames: int) -> Iterator[Cell]:
         for alpha in (0.0, 1.0):
             value, passed = tus_error(make, rectify, alpha, frames)
             says = f"TUS, rectify={name}, alpha={alpha:g}, shaken by half a target pixel: RMS difference at the end."
-            cell = _cell(
-                f"TUS {name} alpha {alpha:g}", frames, value, math.nan, value <= 1.0, "1, the range", says
-            )
+            cell = _cell(f"TUS {name} alpha {alpha:g}", frames, value, math.nan, value <= 1.0, "1, the range", says)
             why = "" if passed < 0 else f"more than 8 steps of 8 bits from frame {passed} on"
             yield replace(cell, size="32x32", precision="float32", why=why)
 

@@ -55,9 +55,7 @@ def distance_of(runner: Runner, model: Upsampler, clip: Clip) -> Distance:
     return found
 
 
-def int8_cells(
-    name: str, model: Upsampler, extremes: Sequence[Extreme], size: tuple[int, int]
-) -> Iterator[Cell]:
+def int8_cells(name: str, model: Upsampler, extremes: Sequence[Extreme], size: tuple[int, int]) -> Iterator[Cell]:
     """A cell for each extreme that is a change of the clip; those of the size and the scale would be other graphs."""
     model = copy.deepcopy(model).cpu().eval()
     why, runner = lacks("int8", "cpu"), None

@@ -74,9 +74,7 @@ def nears(apart: list[float]) -> bool:
     return sum(apart[-quarter:]) < sum(apart[-2 * quarter : -quarter])
 
 
-def recovery_cells(
-    name: str, model: Upsampler, size: tuple[int, int], horizon: int, device: str
-) -> Iterator[Cell]:
+def recovery_cells(name: str, model: Upsampler, size: tuple[int, int], horizon: int, device: str) -> Iterator[Cell]:
     """A cell for each fault; ``value`` is the number of frames that are not as they should be, the bad one among them."""
     model = copy.deepcopy(model).eval()
     for fault in faults(model):
@@ -87,7 +85,9 @@ def recovery_cells(
         if math.isnan(lasting):
             why = f"not finite after {horizon} frames"
         elif math.isnan(clean):
-            why = f"{apart[-1]:.2g} away after {horizon} frames, {'and nearing' if nears(apart) else 'no longer nearing'}"
+            why = (
+                f"{apart[-1]:.2g} away after {horizon} frames, {'and nearing' if nears(apart) else 'no longer nearing'}"
+            )
         yield Cell(
             name,
             f"recovery/{fault}",
@@ -99,9 +99,7 @@ def recovery_cells(
             largest=max(apart),
             value=clean,
             tolerance=f"clean or nearing, {horizon} frames",
-            verdict="holds"
-            if not math.isnan(clean) or (not math.isnan(lasting) and nears(apart))
-            else "fails",
+            verdict="holds" if not math.isnan(clean) or (not math.isnan(lasting) and nears(apart)) else "fails",
             why=why,
             says="Frames until finite and within float32's tolerance of the undisturbed roll-out.",
         )

@@ -75,9 +75,7 @@ def roll(
         yield output, bool(shown.isfinite().all())
 
 
-def distance(
-    model: Upsampler, clip: Clip, references: Sequence[Tensor], precision: Precision, device: str
-) -> Distance:
+def distance(model: Upsampler, clip: Clip, references: Sequence[Tensor], precision: Precision, device: str) -> Distance:
     found = Distance()
     rolled = roll(model, frames_of(clip), torch.float32, device, precision)
     for (output, shown), reference in zip(rolled, references):

@@ -30,9 +30,7 @@ def commands(arguments: Sequence[str], folder: Path) -> list[list[str]]:
     for name in given[0].removeprefix(KEY).strip("'\"").split(","):
         found = [name] if name in known else [other for other in known if other.startswith(f"{name}_")]
         if not found:
-            raise UserError(
-                f"sweeps={name} is no file of {folder.name}/: use a paper or one of {', '.join(known)}."
-            )
+            raise UserError(f"sweeps={name} is no file of {folder.name}/: use a paper or one of {', '.join(known)}.")
         names += [other for other in found if other not in names]
     if not {"-m", "--multirun"} & set(arguments):
         raise UserError(f"{given[0]} runs several jobs: add -m.")

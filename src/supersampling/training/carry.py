@@ -25,15 +25,11 @@ class Carry(L.Callback):
     def __init__(self, content: Mapping[str, Any]) -> None:
         self._content = dict(content)
 
-    def on_save_checkpoint(
-        self, trainer: L.Trainer, pl_module: L.LightningModule, checkpoint: dict[str, Any]
-    ) -> None:
+    def on_save_checkpoint(self, trainer: L.Trainer, pl_module: L.LightningModule, checkpoint: dict[str, Any]) -> None:
         checkpoint[KEY] = self._content
 
 
-def content(
-    cfg: DictConfig, tags: Mapping[str, str], parameters: Mapping[str, str], run: str
-) -> dict[str, Any]:
+def content(cfg: DictConfig, tags: Mapping[str, str], parameters: Mapping[str, str], run: str) -> dict[str, Any]:
     """What is carried, in containers that ``torch.load(weights_only=True)`` reads.
 
     ``model`` and ``task`` are the resolved configuration; ``method``, ``identity``, ``run`` and ``parameters`` those of the
@@ -67,9 +63,7 @@ def carried(checkpoint: Path) -> dict[str, Any] | None:
     if said is None:
         return None
     if not isinstance(said, dict) or not all(isinstance(said.get(k), dict) for k in ("model", "task")):
-        raise UserError(
-            f"{checkpoint} carries a configuration that is broken: name the file that train.py wrote."
-        )
+        raise UserError(f"{checkpoint} carries a configuration that is broken: name the file that train.py wrote.")
     return said
 
 

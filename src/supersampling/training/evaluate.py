@@ -42,9 +42,7 @@ def evaluate_command(cfg: DictConfig) -> None:
     """
     chosen = [key for key in ("checkpoint", "run", "capture", "frames") if cfg[key]]
     if len(chosen) > 1:
-        raise UserError(
-            f"{chosen[0]}={cfg[chosen[0]]} and {chosen[1]}={cfg[chosen[1]]} exclude each other: give one."
-        )
+        raise UserError(f"{chosen[0]}={cfg[chosen[0]]} and {chosen[1]}={cfg[chosen[1]]} exclude each other: give one.")
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
     if cfg.capture or cfg.frames:

@@ -36,9 +36,7 @@ def fit(
     L.seed_everything(cfg.seed, workers=True, verbose=False)
     model: Upsampler = instantiate(cfg.model)
     loss: Loss = instantiate(cfg.loss)
-    module = Training(
-        model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted
-    )
+    module = Training(model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted)
     timer = Timer()
     logger = MLFlowLogger(tracking_uri=experiment.tracking_uri, run_id=run_id)
     last = folder / "last.ckpt"
@@ -110,6 +108,5 @@ def load_weights(model: Upsampler, checkpoint: Path) -> None:
     except Exception as error:
         reason = str(error).splitlines()[0]
         raise UserError(
-            f"{checkpoint} does not hold weights of the configured model ({reason}): set model=... as it was "
-            "trained."
+            f"{checkpoint} does not hold weights of the configured model ({reason}): set model=... as it was trained."
         ) from error

@@ -30,9 +30,7 @@ def _without(tree: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
 ONLY_LEARNED = ("loss", "pick", "augment", "optimizer", "budget", "trainer", "seed")
 
 
-def identity(
-    cfg: DictConfig, fingerprints: Mapping[str, str], learned: bool, without: tuple[str, ...] = ()
-) -> str:
+def identity(cfg: DictConfig, fingerprints: Mapping[str, str], learned: bool, without: tuple[str, ...] = ()) -> str:
     """16 hex digits of the resolved configuration, less what cannot change the result and ``without``, and each split's
     fingerprint."""
     resolved: Any = OmegaConf.to_container(cfg, resolve=True)

@@ -220,7 +220,5 @@ def method_name(choices: Mapping[str, Any]) -> str:
     """``dlctus``, or ``dlctus reproject=bilinear`` when a stage differs from the published one."""
     model = choices["model"]
     stages = _PUBLISHED.get(str(model).partition("_")[0], {})  # a size or a faster form has the same stages
-    swapped = [
-        f"{s}={choices[f'model/{s}']}" for s in stages if choices.get(f"model/{s}", stages[s]) != stages[s]
-    ]
+    swapped = [f"{s}={choices[f'model/{s}']}" for s in stages if choices.get(f"model/{s}", stages[s]) != stages[s]]
     return " ".join([model, *swapped])

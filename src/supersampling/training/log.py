@@ -45,9 +45,7 @@ def tuned_constants(run: Run) -> dict[str, float]:
 def means_of(run: Run) -> dict[str, float]:
     """A run's means over all clips, by metric."""
     logged = run.data.metrics
-    return {
-        k.removeprefix("test/"): v for k, v in logged.items() if k.startswith("test/") and k.count("/") == 1
-    }
+    return {k.removeprefix("test/"): v for k, v in logged.items() if k.startswith("test/") and k.count("/") == 1}
 
 
 def scores_of(experiment: Experiment, run_id: str) -> scores.Scores | None:

@@ -72,8 +72,7 @@ def _of_run(experiment: Experiment, cfg: DictConfig) -> Method:
         trained: Any = OmegaConf.to_container(OmegaConf.load(experiment.artifact(cfg.run, "config.yaml")))
     except (MlflowException, OSError) as error:
         raise UserError(
-            f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow "
-            "UI."
+            f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow UI."
         ) from error
     model = _agreed(cfg, trained["model"], trained["task"], f"Run {cfg.run}", **tuned_constants(run))
     if is_learned(model):
@@ -87,9 +86,7 @@ def _of_run(experiment: Experiment, cfg: DictConfig) -> Method:
     return Method(model, tags.get("ss.method", ""), dict(run.data.params), origin)
 
 
-def _agreed(
-    cfg: DictConfig, model: dict[str, Any], task: dict[str, Any], source: str, **constants: float
-) -> Upsampler:
+def _agreed(cfg: DictConfig, model: dict[str, Any], task: dict[str, Any], source: str, **constants: float) -> Upsampler:
     """The model of a file's configuration, once nothing on the command line speaks against it; ``cfg.task`` becomes its task.
 
     A model that the command line names as well is made from the command line: its author is trusted with any class.

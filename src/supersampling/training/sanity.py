@@ -27,10 +27,7 @@ def score_sanity(cfg: DictConfig, files: list[Path], experiment: Experiment) -> 
         "reference": Playback(cfg.task.scale, Targets(files)),
         "raw input": Nearest(cfg.task.scale),
     }
-    return {
-        name: score_once(cfg, experiment, "sanity", name, model, "", files)[1]
-        for name, model in methods.items()
-    }
+    return {name: score_once(cfg, experiment, "sanity", name, model, "", files)[1] for name, model in methods.items()}
 
 
 def score_once(
@@ -53,9 +50,7 @@ def score_once(
     folder = Path(cfg.paths.checkpoints) / key
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(folder / "lock"):
-        return _score_once(
-            cfg, experiment, {"ss.kind": kind, "ss.identity": key, "ss.method": name}, model, files
-        )
+        return _score_once(cfg, experiment, {"ss.kind": kind, "ss.identity": key, "ss.method": name}, model, files)
 
 
 def _score_once(

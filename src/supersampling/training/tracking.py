@@ -25,9 +25,7 @@ PARENT_VARIABLE = "SUPERSAMPLING_PARENT_RUN"
 
 def machine() -> str:
     """Processor kind, cores torch may use, and the accelerator if there is one."""
-    device = (
-        torch.cuda.get_device_name() if torch.cuda.is_available() else f"{torch.get_num_threads()} threads"
-    )
+    device = torch.cuda.get_device_name() if torch.cuda.is_available() else f"{torch.get_num_threads()} threads"
     return f"{platform.system()} {platform.machine()}, {device}, torch {torch.__version__}"
 
 
@@ -41,9 +39,7 @@ class Experiment:
 
     def find(self, identity: str) -> Run | None:
         """The finished run of an identity, else its newest unfinished one, else None."""
-        runs = self.client.search_runs(
-            [self.id], f"tags.`ss.identity` = '{identity}'", order_by=["start_time DESC"]
-        )
+        runs = self.client.search_runs([self.id], f"tags.`ss.identity` = '{identity}'", order_by=["start_time DESC"])
         finished = [run for run in runs if run.info.status == "FINISHED"]
         return finished[0] if finished else (runs[0] if runs else None)
 
@@ -95,9 +91,7 @@ def open_experiment(tracking_uri: str, name: str, artifacts: Path) -> Experiment
         location = None if tracking_uri.startswith("http") else artifacts.resolve().as_uri()
         return Experiment(client, client.create_experiment(name, artifact_location=location), tracking_uri)
     except MlflowException as error:
-        raise UserError(
-            f"MLflow at logger.tracking_uri={tracking_uri} failed: {str(error).splitlines()[0]}"
-        ) from error
+        raise UserError(f"MLflow at logger.tracking_uri={tracking_uri} failed: {str(error).splitlines()[0]}") from error
 
 
 def _make_whole(tracking_uri: str) -> None:

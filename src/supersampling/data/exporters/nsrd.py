@@ -45,9 +45,7 @@ def export_nsrd(store: Store, folder: Path) -> None:
             write_exr(low / "Depth" / file, frame["depth"], "R", half=False)
             write_exr(low / "MV" / file, Nsrd.motion.stored(frame["motion"]), "RG", half=False)
             write_exr(low / "OCMV" / file, Nsrd.motion.stored(frame["motion_dual"]), "RG", half=False)
-            radiance, material, emission = (
-                frame[n] for n in ("target_radiance", "high_material", "high_emission")
-            )
+            radiance, material, emission = (frame[n] for n in ("target_radiance", "high_material", "high_emission"))
             write_exr(high / "Irradiance" / file, _lighting(radiance, material, emission), "RGB", half=False)
             write_exr(high / "BRDF" / file, material, "RGB", half=False)
             shown = np.where(emission > EMISSIVE, radiance, np.float32(0.0))

@@ -36,9 +36,7 @@ def export_qrisp(store: Store, folder: Path) -> None:
         segment = f"{clip:04d}"
         for t, frame in enumerate(frames_of(store, clip, NEEDED)):
             write_png(low / modality("", scale) / segment / f"{t:04d}.png", frame["color"])
-            write_png8(
-                low / modality("Depth", scale) / segment / f"{t:04d}.png", encode_depth(frame["depth"])
-            )
+            write_png8(low / modality("Depth", scale) / segment / f"{t:04d}.png", encode_depth(frame["depth"]))
             motion = Qrisp.motion.stored(frame["motion"])
             write_exr(low / modality("MotionVectors", scale) / segment / f"{t:04d}.exr", motion, "RG")
             write_png(base.joinpath(*TARGET) / segment / f"{t:04d}.png", frame["target"])

@@ -49,7 +49,5 @@ def empty_folder(path: Path) -> Path:
         if any(path.iterdir()):
             raise UserError(f"{path} is not empty: export into a new folder.")
     except OSError as error:
-        raise UserError(
-            f"Cannot make the folder {path}: {error.strerror}; export into another one."
-        ) from error
+        raise UserError(f"Cannot make the folder {path}: {error.strerror}; export into another one.") from error
     return path

@@ -49,9 +49,7 @@ class Arm(Layout):
 
     motion = Convention("-x-y")
     jitter = Convention("xy")
-    buffers = frozenset(
-        {"color", "radiance", "depth", "motion", "jitter", "target", "target_radiance", "high_motion"}
-    )
+    buffers = frozenset({"color", "radiance", "depth", "motion", "jitter", "target", "target_radiance", "high_motion"})
 
     def notes(self) -> dict[str, str]:
         return {
@@ -74,9 +72,7 @@ class Arm(Layout):
                 if path.stem.isascii() and path.stem.isdigit():
                     found += self._sequence(base, path, split)
         if not found:
-            raise UserError(
-                f"{self.root.path} has no sequences named <number>.json: give the folder that holds them."
-            )
+            raise UserError(f"{self.root.path} has no sequences named <number>.json: give the folder that holds them.")
         return found
 
     def _sequence(self, base: Path, path: Path, split: str) -> list[Clip]:
@@ -89,8 +85,7 @@ class Arm(Layout):
             )
         names = {"color": "color", "depth": "depth", "motion": "motion"}
         streams = {
-            name: self.root.frames(base / f"x{self.scale}" / kind / path.stem, ".exr")
-            for name, kind in names.items()
+            name: self.root.frames(base / f"x{self.scale}" / kind / path.stem, ".exr") for name, kind in names.items()
         }
         streams["target"] = self.root.frames(base / "ground_truth" / path.stem, ".exr")
         streams["high_motion"] = self.root.frames(base / "motion_gt" / path.stem, ".exr")
@@ -163,9 +158,7 @@ class ArmClip(Clip):
             ("target", "target_radiance", "target", self.size),
         ):
             if names & {shown, light}:
-                radiance = np.maximum(read_exr(paths[source], size, ("RGB",)), 0.0) * np.float32(
-                    self._exposure(entry)
-                )
+                radiance = np.maximum(read_exr(paths[source], size, ("RGB",)), 0.0) * np.float32(self._exposure(entry))
                 out |= {light: radiance, shown: displayed(torch.from_numpy(radiance)).numpy()}
         if "depth" in names:
             out["depth"] = self._depth(paths["depth"], entry)
@@ -193,8 +186,6 @@ class ArmClip(Clip):
             )
         stored = read_exr(path, self._low_size, ("R", "Y", "Z"))
         if stored.min() < 0.0 or stored.max() > 1.0:
-            raise UserError(
-                f"{path} holds depths from {stored.min():.4g} to {stored.max():.4g} instead of 0 to 1."
-            )
+            raise UserError(f"{path} holds depths from {stored.min():.4g} to {stored.max():.4g} instead of 0 to 1.")
         told = self._conventions.reversed_depth
         return linear_depth(stored, near, far, self._sequence.reversed_z if told is None else told)

@@ -59,11 +59,7 @@ def _by_number(path: Path, numbers: list[int]) -> dict[int, Any]:
         if len(content) != len(numbers):
             raise UserError(f"{path} has {len(content)} entries for {len(numbers)} frames: restore it.")
         return dict(zip(numbers, content))
-    named = (
-        {int(k): v for k, v in content.items() if k.isascii() and k.isdigit()}
-        if isinstance(content, dict)
-        else {}
-    )
+    named = {int(k): v for k, v in content.items() if k.isascii() and k.isdigit()} if isinstance(content, dict) else {}
     for k in numbers:
         if k not in named:
             raise UserError(f"{path} has no {KEY} for frame {k:04d}: restore it.")

@@ -69,7 +69,5 @@ class Convention:
 
 
 CONVENTIONS = tuple(
-    Convention(f"{first}{a}{second}{b}")
-    for a, b in ("xy", "yx")
-    for first, second in product(("", "-"), repeat=2)
+    Convention(f"{first}{a}{second}{b}") for a, b in ("xy", "yx") for first, second in product(("", "-"), repeat=2)
 )

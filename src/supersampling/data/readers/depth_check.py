@@ -48,9 +48,7 @@ def _range3(values: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def _nearest(image: Tensor, motion: Tensor) -> Tensor:
-    return F.grid_sample(
-        image, sampling_grid(motion), mode="nearest", padding_mode="border", align_corners=False
-    )
+    return F.grid_sample(image, sampling_grid(motion), mode="nearest", padding_mode="border", align_corners=False)
 
 
 def check_depth(where: str, pairs: Sequence[Pair], asked: bool) -> str:
@@ -73,8 +71,4 @@ def check_depth(where: str, pairs: Sequence[Pair], asked: bool) -> str:
             f"{where}: {on_plane:.1%} of the pixels lie exactly on the near plane, so the depth seems to be reversed (1 near, 0 "
             f"far): {REMEDY}."
         )
-    return (
-        f"{where}: {told}."
-        if enough
-        else f"{where}: too little comes into view to check the depth's direction."
-    )
+    return f"{where}: {told}." if enough else f"{where}: too little comes into view to check the depth's direction."

@@ -60,9 +60,7 @@ class Root:
         for file in sorted(folder.iterdir()) if folder.is_dir() else []:
             if file.suffix == suffix and file.stem.isascii() and file.stem.isdigit():
                 if int(file.stem) in found:
-                    raise UserError(
-                        f"{file} and {found[int(file.stem)].name} are the same frame: remove one of them."
-                    )
+                    raise UserError(f"{file} and {found[int(file.stem)].name} are the same frame: remove one of them.")
                 found[int(file.stem)] = self.inside(file)
         if not found:
             raise UserError(
@@ -96,9 +94,7 @@ def numbers_of(streams: Mapping[str, Frames]) -> list[int]:
             if number not in stream.files:
                 width = len(next(iter(stream.files.values())).stem)
                 missing = stream.folder / f"{number:0{width}d}{stream.suffix}"
-                raise UserError(
-                    f"{missing} is missing: frames {first} to {last} must all be there; restore it."
-                )
+                raise UserError(f"{missing} is missing: frames {first} to {last} must all be there; restore it.")
     return list(range(first, last + 1))
 
 
@@ -128,7 +124,5 @@ def number(mapping: Any, key: str, path: Path) -> float:
     """
     value = mapping.get(key) if isinstance(mapping, dict) else None
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise UserError(
-            f"{path} has no finite number {key!r} where one belongs (found {value!r}): correct it."
-        )
+        raise UserError(f"{path} has no finite number {key!r} where one belongs (found {value!r}): correct it.")
     return float(value)

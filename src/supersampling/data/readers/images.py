@@ -68,9 +68,7 @@ def read_display_png(path: Path, size: tuple[int, int]) -> Image:
     height, width, channels = values.shape
     _check_size(path, width, height, size)
     if channels not in (3, 4):
-        raise UserError(
-            f"{path} has {channels} channel{'s' * (channels > 1)} instead of RGB: export it as such."
-        )
+        raise UserError(f"{path} has {channels} channel{'s' * (channels > 1)} instead of RGB: export it as such.")
     highest = np.iinfo(values.dtype).max
     clear = int((values[..., 3:] < highest).sum())
     if clear:
@@ -117,9 +115,7 @@ def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str]) -> Image
             image = np.stack([planes[name] for name in choice], axis=-1).astype(np.float32)
             break
     else:
-        raise UserError(
-            f"{path} has the channels {', '.join(sorted(planes))} instead of {' or '.join(choices)}."
-        )
+        raise UserError(f"{path} has the channels {', '.join(sorted(planes))} instead of {' or '.join(choices)}.")
     broken = int((~np.isfinite(image)).sum())
     if broken:
         raise UserError(f"{path} holds {broken} values that are NaN or Inf: export this frame again.")

@@ -46,14 +46,10 @@ def errors_of(
         places = sampling_grid(large)[0, rows, columns] - 2.0 * vectors
         there = now[0, :, rows, columns]
         count += len(rows)
-        total[STILL] += float(
-            (before[0, :, rows, columns] - there).abs().mean(dim=0).sum(dtype=torch.float64)
-        )
+        total[STILL] += float((before[0, :, rows, columns] - there).abs().mean(dim=0).sum(dtype=torch.float64))
         stored = used.stored(vectors.numpy())
         for other in others:
-            fetched = sample_bilinear(
-                before, (places + 2.0 * torch.from_numpy(other.ours(stored)))[None, None]
-            )
+            fetched = sample_bilinear(before, (places + 2.0 * torch.from_numpy(other.ours(stored)))[None, None])
             total[other.name] += float((fetched[0, :, 0] - there).abs().mean(dim=0).sum(dtype=torch.float64))
     return {name: value / max(count, 1) for name, value in total.items()}
 
@@ -99,9 +95,7 @@ def _advice(pairs: Sequence[Pair], used: Convention) -> str:
         errors = errors_of(pairs, used, used.turns(), size)
         best = best_of(errors, STILL)
         if errors[best] < CLEARLY * errors[STILL]:
-            return (
-                f"in {unit} it would fit (as {best}): write it in fractions of the image's width and height"
-            )
+            return f"in {unit} it would fit (as {best}): write it in fractions of the image's width and height"
     return (
         "it may belong to other frames; if the content only seems to move otherwise (water, shadows), import with "
         f"convention={used.name}"

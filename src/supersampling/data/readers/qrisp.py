@@ -34,9 +34,7 @@ def modality(kind: str, scale: int) -> str:
 def check_scale(scale: int) -> None:
     """Raises `UserError` for a scale that QRISP does not have."""
     if scale not in RESOLUTIONS:
-        raise UserError(
-            f"QRISP has no inputs for a scale of {scale}: use one of {', '.join(map(str, RESOLUTIONS))}."
-        )
+        raise UserError(f"QRISP has no inputs for a scale of {scale}: use one of {', '.join(map(str, RESOLUTIONS))}.")
 
 
 def decode_depth(rgba: NDArray[np.uint8]) -> Image:
@@ -85,9 +83,7 @@ class Qrisp(Layout):
                     print(f"{'/'.join(low)} has no {modality('', self.scale)}: {scene} is left out.")
                     continue
                 kinds = [(*low, modality(kind, self.scale)) for kind in ("", "Depth", "MotionVectors")]
-                segments = {
-                    s for kind in (*kinds, (set_name, scene, *TARGET)) for s in self.root.folders(*kind)
-                }
+                segments = {s for kind in (*kinds, (set_name, scene, *TARGET)) for s in self.root.folders(*kind)}
                 clips += [QrispClip(self, set_name, split, scene, segment) for segment in sorted(segments)]
         if not clips:
             raise UserError(

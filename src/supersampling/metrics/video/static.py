@@ -32,9 +32,7 @@ class StaticDeviation(VideoMetric):
 
     def __init__(self, shortest: int = 8) -> None:
         if shortest < 2:
-            raise UserError(
-                f"A standard deviation needs spans of at least 2 frames, got {shortest}; use e.g. 8."
-            )
+            raise UserError(f"A standard deviation needs spans of at least 2 frames, got {shortest}; use e.g. 8.")
         self._shortest = shortest
 
     def begin(self) -> Scoring:

@@ -53,9 +53,7 @@ class StRred(VideoMetric):
 @final
 class _Pairs(Scoring):
     def __init__(self) -> None:
-        self._first: Tensor | None = (
-            None  # (2, h, w): the bands of output and target, of a pair's first frame
-        )
+        self._first: Tensor | None = None  # (2, h, w): the bands of output and target, of a pair's first frame
         self._spatial = self._temporal = 0.0
         self._pairs = 0
 
@@ -137,7 +135,5 @@ def _entropies(band: Tensor) -> tuple[Tensor, Tensor]:
     values, vectors = values[kept], vectors[:, kept]
     blocks = F.unfold(band, BLOCK, stride=BLOCK)[0]  # (9, blocks)
     variance = ((vectors.T @ blocks).square() / values[:, None]).sum(dim=0) / BLOCK**2
-    entropy = (variance * values[:, None] + NOISE).log2().sum(dim=0) + len(values) * math.log(
-        2.0 * math.pi * math.e
-    )
+    entropy = (variance * values[:, None] + NOISE).log2().sum(dim=0) + len(values) * math.log(2.0 * math.pi * math.e)
     return variance.view(rows, columns), entropy.view(rows, columns)

@@ -99,8 +99,7 @@ class _Warping(Scoring):
             if total > 0.0:  # a cut shares no pixel: such a pair has no error
                 errors = ((moment.output, output), (moment.target, target))
                 a, b = (
-                    ((now - then).square().mean(dim=1, keepdim=True) * weight).sum() / total
-                    for now, then in errors
+                    ((now - then).square().mean(dim=1, keepdim=True) * weight).sum() / total for now, then in errors
                 )
                 self._sums = (self._sums[0] + a.item(), self._sums[1] + b.item())
                 self._pairs += 1

@@ -20,9 +20,7 @@ class UNet(nn.Module):
     def __init__(self, channels: int, width: int = 64) -> None:
         super().__init__()
         if width < 2 or width % 2:
-            raise UserError(
-                f"model.width must be an even number from 2 up, got {width}; the paper has 64 and 32."
-            )
+            raise UserError(f"model.width must be an even number from 2 up, got {width}; the paper has 64 and 32.")
         half = width // 2
         self.fine = _pair(channels, width, half)
         self.middle = _pair(half, width, width)

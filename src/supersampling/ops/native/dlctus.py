@@ -109,9 +109,7 @@ def convolve(x: Tensor, points: Tensor, bias: Tensor, added: Tensor | None, out:
     ``out`` may be ``added``, never ``x``.
     """
     height, width, _ = x.shape
-    library().ss_convolve(
-        _at(x), _at(points), _at(bias), _at(added), _at(out), height, width, torch.get_num_threads()
-    )
+    library().ss_convolve(_at(x), _at(points), _at(bias), _at(added), _at(out), height, width, torch.get_num_threads())
     return out
 
 

@@ -30,9 +30,7 @@ class Accessors:
         values, normalized = self._values(index)
         self._expect(index, values.shape[1], widths)
         if normalized and values.dtype.kind in "iu":
-            return np.maximum(values / np.float32(np.iinfo(values.dtype).max), np.float32(-1.0)).astype(
-                np.float32
-            )
+            return np.maximum(values / np.float32(np.iinfo(values.dtype).max), np.float32(-1.0)).astype(np.float32)
         return values.astype(np.float32, copy=False)
 
     def integers(self, index: int, width: int = 1) -> NDArray[np.int64]:
@@ -96,12 +94,8 @@ class Accessors:
         """Section 3.6.2.3: some elements take other values."""
         count, width = sparse.count or 0, values.shape[1]
         kind = self._type(index, sparse.indices.componentType)
-        where = self._strided(
-            index, sparse.indices.bufferView, sparse.indices.byteOffset or 0, kind, count, 1
-        )[:, 0]
-        new = self._strided(
-            index, sparse.values.bufferView, sparse.values.byteOffset or 0, values.dtype, count, width
-        )
+        where = self._strided(index, sparse.indices.bufferView, sparse.indices.byteOffset or 0, kind, count, 1)[:, 0]
+        new = self._strided(index, sparse.values.bufferView, sparse.values.byteOffset or 0, values.dtype, count, width)
         if len(where) and int(where.max()) >= len(values):
             raise UserError(
                 f"The sparse accessor {index} of {self._document.name} replaces element {int(where.max())} of "

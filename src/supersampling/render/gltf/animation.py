@@ -142,9 +142,7 @@ def _sampler(animation: Any, index: int, what: str) -> Any:
 def _times(accessors: Accessors, index: int, what: str) -> Vector:
     times = accessors.floats(index, 1)[:, 0].astype(np.float64)
     if not np.isfinite(times).all() or times[0] < 0.0 or (np.diff(times) <= 0.0).any():
-        raise UserError(
-            f"The key times of {what} do not rise from zero on: the file is broken, export it again."
-        )
+        raise UserError(f"The key times of {what} do not rise from zero on: the file is broken, export it again.")
     return times
 
 

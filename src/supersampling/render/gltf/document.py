@@ -38,9 +38,7 @@ MALFORMED = (
 def malformed(name: str, error: Exception) -> UserError:
     """What to say of a file whose structure is broken in a way that has no sentence of its own."""
     reason = f"{type(error).__name__}: {error}".splitlines()[0][:200]
-    return UserError(
-        f"{name} is not a valid glTF 2.0 file ({reason}): check it with the Khronos glTF validator."
-    )
+    return UserError(f"{name} is not a valid glTF 2.0 file ({reason}): check it with the Khronos glTF validator.")
 
 
 class Document:
@@ -83,9 +81,7 @@ class Document:
         length = declared.byteLength or 0
         if declared.uri is None:
             if index != 0 or self._blob is None:
-                raise UserError(
-                    f"Buffer {index} of {self.name} has neither a uri nor a binary chunk: export it again."
-                )
+                raise UserError(f"Buffer {index} of {self.name} has neither a uri nor a binary chunk: export it again.")
             data = self._blob
         else:
             data = memoryview(self.resource(declared.uri, f"buffer {index}"))
@@ -128,15 +124,11 @@ def _container(path: Path) -> tuple[str, memoryview | None]:
     try:
         return text.decode("utf-8-sig"), blob
     except UnicodeDecodeError as error:
-        raise UserError(
-            f"{path.name} is no glTF file: it is neither JSON text nor a GLB container."
-        ) from error
+        raise UserError(f"{path.name} is no glTF file: it is neither JSON text nor a GLB container.") from error
 
 
 def _chunks(data: bytes, name: str) -> tuple[bytes, memoryview | None]:
-    short = UserError(
-        f"{name} is a GLB file that is cut short at {len(data)} bytes: copy or export it again."
-    )
+    short = UserError(f"{name} is a GLB file that is cut short at {len(data)} bytes: copy or export it again.")
     if len(data) < 20:
         raise short
     _, version, length = struct.unpack_from("<4sII", data)
@@ -175,9 +167,7 @@ def _head(text: str, name: str) -> dict[str, Any]:
 def _check_version(head: dict[str, Any], name: str) -> None:
     version = str(head["asset"].get("version"))
     if not re.fullmatch(r"2\.\d+", version):
-        raise UserError(
-            f"{name} is glTF version {version}, only version 2 can be read: export it as glTF 2.0."
-        )
+        raise UserError(f"{name} is glTF version {version}, only version 2 can be read: export it as glTF 2.0.")
 
 
 def _inline(uri: str, what: str, name: str) -> bytes:
@@ -190,9 +180,7 @@ def _inline(uri: str, what: str, name: str) -> bytes:
             return base64.b64decode(unquote(payload), validate=True)
         return unquote_to_bytes(payload)
     except (ValueError, binascii.Error) as error:
-        raise UserError(
-            f"The data URI of {what} in {name} cannot be decoded ({error}): export it again."
-        ) from error
+        raise UserError(f"The data URI of {what} in {name} cannot be decoded ({error}): export it again.") from error
 
 
 def _local(folder: Path, uri: str, what: str, name: str) -> Path:
@@ -204,9 +192,7 @@ def _local(folder: Path, uri: str, what: str, name: str) -> Path:
     # A scheme (or a drive), an absolute path, or another system's separators.
     if re.match(r"[A-Za-z][A-Za-z0-9+.-]*:", relative) or relative.startswith(("/", "\\")):
         raise outside
-    missing = UserError(
-        f"{name} needs the file {relative!r} as {what}, which is missing: put it beside {name}."
-    )
+    missing = UserError(f"{name} needs the file {relative!r} as {what}, which is missing: put it beside {name}.")
     if "\0" in relative:
         raise missing
     root = folder.resolve()

@@ -53,9 +53,7 @@ def _decoded(data: bytes, what: str) -> Texture:
         if max(image.size) > LARGEST_SIDE:
             raise _too_large(what, f"{image.width}x{image.height} pixels")
         image.load()
-    except (
-        Image.DecompressionBombError
-    ) as error:  # Pillow's limit on the area, told before anything is decoded
+    except Image.DecompressionBombError as error:  # Pillow's limit on the area, told before anything is decoded
         raise _too_large(what, str(error).partition(",")[0]) from error
     except Image.UnidentifiedImageError as error:
         raise UserError(f"The {what} is neither PNG nor JPEG: convert it to one of them.") from error

@@ -63,9 +63,7 @@ def read_lamps(document: Document, nodes: Sequence[Placed], notes: Notes) -> lis
 
 def _lamp(light: dict[str, Any], index: int, world: Matrix, name: str) -> Lamp:
     kind = light.get("type")
-    power = np.array([float(c) for c in light.get("color", (1.0, 1.0, 1.0))]) * float(
-        light.get("intensity", 1.0)
-    )
+    power = np.array([float(c) for c in light.get("color", (1.0, 1.0, 1.0))]) * float(light.get("intensity", 1.0))
     reach = None if light.get("range") is None else float(light["range"])
     if kind not in ("directional", "point", "spot") or power.shape != (3,) or not np.isfinite(power).all():
         raise UserError(
@@ -84,9 +82,7 @@ def _lamp(light: dict[str, Any], index: int, world: Matrix, name: str) -> Lamp:
     return Lamp(kind, np.maximum(power, 0.0), world[:3, 3].copy(), toward, reach, cone)
 
 
-def lit(
-    lamps: Sequence[Lamp], surface: Vector, notes: Notes
-) -> tuple[Sun | None, tuple[PointLight, ...], Sky]:
+def lit(lamps: Sequence[Lamp], surface: Vector, notes: Notes) -> tuple[Sun | None, tuple[PointLight, ...], Sky]:
     """Sun, point lights and sky. ``surface (N, 3)`` are points of the scene.
 
     A directional light's brightness is its illuminance, another one's that of the nearest thirtieth of the surface.
@@ -94,9 +90,7 @@ def lit(
     if not lamps:
         return Sun(), (), Sky()
     unit = BRIGHTEST / max(max(_illuminance(lamp, surface) for lamp in lamps), 1e-12)
-    suns = sorted(
-        (lamp for lamp in lamps if lamp.kind == "directional"), key=lambda lamp: -_luminance(lamp.power)
-    )
+    suns = sorted((lamp for lamp in lamps if lamp.kind == "directional"), key=lambda lamp: -_luminance(lamp.power))
     if len(suns) > 1:
         notes.add(f"of {len(suns)} directional lights only the brightest is kept")
     points = [_point(lamp, unit, surface) for lamp in lamps if lamp.kind != "directional"]
@@ -123,9 +117,7 @@ def _point(lamp: Lamp, unit: float, surface: Vector) -> PointLight:
     radius = float(np.clip(reach, 0.1, max(10.0 * farthest, 0.1)))
     if lamp.cone is None:
         return PointLight(_triple(lamp.position), _triple(intensity), radius)
-    return PointLight(
-        _triple(lamp.position), _triple(intensity), radius, True, _triple(lamp.toward), lamp.cone
-    )
+    return PointLight(_triple(lamp.position), _triple(intensity), radius, True, _triple(lamp.toward), lamp.cone)
 
 
 def _luminance(color: Vector) -> float:

@@ -58,9 +58,7 @@ def _load(path: Path) -> Scene:
         raise UserError(f"{path.name} shows no triangles in its default scene: there is nothing to render.")
     found = survey(meshes.made, placed)
     if not found.radius < _FARTHEST:
-        raise UserError(
-            f"The geometry of {path.name} spans {2.0 * found.radius:.3g} m: check its nodes' transforms."
-        )
+        raise UserError(f"The geometry of {path.name} spans {2.0 * found.radius:.3g} m: check its nodes' transforms.")
     factor = float(np.clip(found.radius, _SMALLEST, _LARGEST) / found.radius)
     place = is_place(found.radius)
     root = np.diag([factor, factor, factor, 1.0])
@@ -113,9 +111,7 @@ def _drawn(
     return drawn
 
 
-def _joints(
-    document: Document, accessors: Accessors, index: int, rest: dict[int, Matrix]
-) -> NDArray[np.float64]:
+def _joints(document: Document, accessors: Accessors, index: int, rest: dict[int, Matrix]) -> NDArray[np.float64]:
     """Joint matrices ``(J, 4, 4)`` of a skin: where its joints are at rest, after the inverse of where they were bound."""
     skin = document.item("skins", index)
     joints = np.stack([rest[joint] for joint in skin.joints])

@@ -126,9 +126,7 @@ class _Slots:
         return np.round((n + 1.0) * 127.5).astype(np.uint8)
 
 
-def _alpha(
-    albedo: Texture | None, factor: float, mode: str, cutoff: float | None
-) -> tuple[Texture | None, float]:
+def _alpha(albedo: Texture | None, factor: float, mode: str, cutoff: float | None) -> tuple[Texture | None, float]:
     """The albedo map and the cutoff on its alpha that stand for alpha = factor * texture.
 
     A test compares ``texture < cutoff / factor``; the alpha of what is blended goes into the texture.

@@ -82,14 +82,10 @@ class Meshes:
         vertices = self._vertices(primitive, mode, len(positions), what)
         if not len(vertices.triangles):
             return None
-        read = _Reader(
-            self._accessors, attributes, vertices.rows, len(positions), f"{what} of {self._document.name}"
-        )
+        read = _Reader(self._accessors, attributes, vertices.rows, len(positions), f"{what} of {self._document.name}")
         positions = positions[vertices.rows]
         if not np.isfinite(positions).all():
-            raise UserError(
-                f"The positions of {what} of {self._document.name} are not all finite: export it again."
-            )
+            raise UserError(f"The positions of {what} of {self._document.name} are not all finite: export it again.")
         normals = read.normals()
         if joints is not None:
             positions, normals = deformed(positions, normals, read.skin(), joints)
@@ -146,9 +142,7 @@ class _Reader:
 
     def uv(self, number: int) -> Floats:
         uv = self._floats(f"TEXCOORD_{number}", 2)
-        return (
-            np.zeros((self._used, 2), np.float32) if uv is None else np.nan_to_num(uv, posinf=0.0, neginf=0.0)
-        )
+        return np.zeros((self._used, 2), np.float32) if uv is None else np.nan_to_num(uv, posinf=0.0, neginf=0.0)
 
     def colors(self) -> Floats | None:
         colors = self._floats("COLOR_0", 3, 4)

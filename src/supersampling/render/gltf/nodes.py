@@ -88,9 +88,7 @@ def placed_nodes(document: Document, curves: Mapping[int, Mapping[str, Curve]]) 
         found.append(Placed(index, node, place, rest))
         waiting += [(child, place, rest) for child in reversed(node.children or [])]
     if not document.gltf.scenes and len(seen) < count:
-        raise UserError(
-            f"The nodes of {document.name} form a cycle: glTF's nodes must be trees, export it again."
-        )
+        raise UserError(f"The nodes of {document.name} form a cycle: glTF's nodes must be trees, export it again.")
     return found
 
 

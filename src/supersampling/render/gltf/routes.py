@@ -16,9 +16,7 @@ Points = NDArray[np.float64]
 _LAID = 18  # routes besides the cameras: three times the cycle in which the splits take them
 _PLACE = 4.0  # metres: what is larger is a place to walk in, what is smaller an object to walk around
 _OUTSIDE = 6  # of them around a place, where there is room enough for the others within
-_GOLDEN = np.pi * (
-    3.0 - 5.0**0.5
-)  # radians between successive routes, so that no two look from the same side
+_GOLDEN = np.pi * (3.0 - 5.0**0.5)  # radians between successive routes, so that no two look from the same side
 
 
 def camera_routes(document: Document, nodes: Sequence[Placed], root: Matrix, notes: Notes) -> list[Route]:
@@ -71,9 +69,7 @@ def laid_routes(found: Survey, place: bool) -> list[Route]:
     if not place:
         return around
     # Of a hall whose walls have no outside, the outside is not meant to be seen, unless there is nothing else.
-    hidden = [
-        float(found.backs_seen(route.points[::8].astype(np.float64)).mean()) >= BEHIND for route in around
-    ]
+    hidden = [float(found.backs_seen(route.points[::8].astype(np.float64)).mean()) >= BEHIND for route in around]
     shown = [route for route, behind in zip(around, hidden) if not behind]
     inside = walks(found, _LAID - min(len(shown), _OUTSIDE))
     rest = [route for route, behind in zip(around, hidden) if behind]

@@ -50,8 +50,7 @@ def interface_share(scene: Scene, shots: list[Shot]) -> float:
         materials = [scene.materials[scene.meshes[o.meshes[0]].material] for o in drawn.scene.objects]
         marked = np.array([False, *(m.interface for m in materials)])
         shown = [
-            drawn.renderer.low(shot, SCALE, (0.0, 0.0), 0.0, frozenset({"object_id"}))["object_id"]
-            for shot in shots
+            drawn.renderer.low(shot, SCALE, (0.0, 0.0), 0.0, frozenset({"object_id"}))["object_id"] for shot in shots
         ]
     return float(np.mean([marked[ids.astype(np.intp)].mean() for ids in shown]))
 
@@ -99,9 +98,7 @@ def detail(probe: Probe, shot: Shot) -> dict[str, Mask]:
     one &= ahead.max(axis=-1) < (1.0 + _JUMP) * ahead.min(axis=-1)
     mean, spread = _blocks(grey).mean(axis=-1), _blocks(grey).std(axis=-1)
     names = frozenset({"albedo"})
-    sampled = probe.renderer.low(shot, SCALE, (0.0, 0.0), -float(np.log2(SCALE)), names)["albedo"].mean(
-        axis=-1
-    )
+    sampled = probe.renderer.low(shot, SCALE, (0.0, 0.0), -float(np.log2(SCALE)), names)["albedo"].mean(axis=-1)
     off = np.abs(uniform_filter(sampled.astype(np.float64) - mean, 15))
     return {
         "texture": one & (spread > CONTRAST * mean),
@@ -129,9 +126,7 @@ def gradient_energy(values: Matrix, chosen: Mask) -> float:
     scaled = np.log1p(np.where(chosen[..., None], values, 0.0) / mean)
     total, count = 0.0, 0
     for axis in (0, 1):
-        both = chosen.take(range(1, chosen.shape[axis]), axis) & chosen.take(
-            range(chosen.shape[axis] - 1), axis
-        )
+        both = chosen.take(range(1, chosen.shape[axis]), axis) & chosen.take(range(chosen.shape[axis] - 1), axis)
         total += float((np.diff(scaled, axis=axis)[both] ** 2).sum())
         count += int(both.sum()) * values.shape[-1]
     return total / max(count, 1)

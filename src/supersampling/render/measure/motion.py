@@ -70,9 +70,7 @@ def reprojection(probe: Probe, shot: Shot) -> Reprojection:
     moved = now["motion"].astype(np.float64) * size
     reach = np.percentile(np.abs(moved), 99)
     margin = int(min(np.ceil(reach) + 2 * MARGIN, window.width))
-    then = probe.samples(
-        backwards(replace(shot, window=_grown(window, margin))), bias, "albedo", "depth", "object_id"
-    )
+    then = probe.samples(backwards(replace(shot, window=_grown(window, margin))), bias, "albedo", "depth", "object_id")
     seen, seen_ids = probe.inverse_depth(then["depth"]), then["object_id"][..., 0].astype(np.intp)
     points = probe.previous(shot, size, inverse, ids)
     row, column, inside = _nearest(points, size, margin)
@@ -96,20 +94,13 @@ def reprojection(probe: Probe, shot: Shot) -> Reprojection:
 
 def places(probe: Probe, shot: Shot, side: int) -> list[Shot]:
     """Two windows of a whole frame, ``side`` samples wide, at `SAMPLES`: its middle, and about most of what moves."""
-    low = probe.renderer.low(
-        replace(shot, window=whole(1)), 2 * SCALE, (0.0, 0.0), 0.0, frozenset({"object_id"})
-    )
+    low = probe.renderer.low(replace(shot, window=whole(1)), 2 * SCALE, (0.0, 0.0), 0.0, frozenset({"object_id"}))
     moving = probe.moves[low["object_id"][..., 0].astype(np.intp)].astype(np.float64)
     chosen = [(0.5, 0.5)]
     if moving.any():
         block = max(side * moving.shape[1] // (FRAME[0] * SAMPLES), 1)
         summed = np.pad(moving.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
-        inner = (
-            summed[block:, block:]
-            - summed[:-block, block:]
-            - summed[block:, :-block]
-            + summed[:-block, :-block]
-        )
+        inner = summed[block:, block:] - summed[:-block, block:] - summed[block:, :-block] + summed[:-block, :-block]
         top, left = np.unravel_index(int(inner.argmax()), inner.shape)
         chosen.append(((left + block / 2) / moving.shape[1], (top + block / 2) / moving.shape[0]))
     return [replace(shot, window=around(x, y, side, SAMPLES)) for x, y in chosen]
@@ -170,9 +161,7 @@ def disocclusion(probe: Probe, shot: Shot) -> Disocclusion:
     fine = probe.tested[seen_ids].reshape(size[1], block, size[0], block).any(axis=(1, 3))
     sieve = binary_dilation(fine, np.ones((3, 3), dtype=bool))[row // block, column // block]
     judged = inside & ~(hidden & ~other) & ~(mask & ~claimed & ~(hidden & other))
-    return Disocclusion(
-        mask, inside, hidden, nearly, surely, hidden & other, nearly & (other | claimed), judged, sieve
-    )
+    return Disocclusion(mask, inside, hidden, nearly, surely, hidden & other, nearly & (other | claimed), judged, sieve)
 
 
 def _apart(low: dict[str, Image], size: tuple[int, int]) -> Mask:

@@ -96,9 +96,7 @@ def around(x: float, y: float, side: int, samples: int) -> Window:
 
 def backwards(shot: Shot) -> Shot:
     """The previous instant, itself its own predecessor."""
-    return Shot(
-        shot.previous_camera, shot.previous_camera, shot.previous_seconds, shot.previous_seconds, shot.window
-    )
+    return Shot(shot.previous_camera, shot.previous_camera, shot.previous_seconds, shot.previous_seconds, shot.window)
 
 
 class Probe:
@@ -141,9 +139,7 @@ class Probe:
         near, far = self.scene.near, self.scene.far
         to_clip = matrices.window_projection(shot.previous_camera, shot.window, near, far)
         ahead = -seen[..., 2]
-        safe = np.where(
-            np.abs(ahead) < 1e-9, 1e-9, ahead
-        )  # in the plane of the camera itself: far outside the image
+        safe = np.where(np.abs(ahead) < 1e-9, 1e-9, ahead)  # in the plane of the camera itself: far outside the image
         uv = (seen @ to_clip[:2, :3].T / safe[..., None]) / 2.0 + 0.5
         return Points(uv, np.where(sky, 0.0, 1.0 / safe))
 
@@ -177,8 +173,6 @@ def _step_back(thing: Object, shot: Shot) -> Matrix:
 def shifted(values: NDArray, reach: int = 1) -> Iterator[tuple[NDArray, NDArray]]:
     """``values (h, w)`` seen from ``reach`` pixels to the left and right, then above and below; edges repeat."""
     for axis in (1, 0):
-        wide = np.pad(
-            values, [(reach, reach) if k == axis else (0, 0) for k in range(values.ndim)], mode="edge"
-        )
+        wide = np.pad(values, [(reach, reach) if k == axis else (0, 0) for k in range(values.ndim)], mode="edge")
         length = values.shape[axis]
         yield wide.take(range(length), axis), wide.take(range(2 * reach, 2 * reach + length), axis)

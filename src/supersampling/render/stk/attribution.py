@@ -50,14 +50,10 @@ def _stanzas(text: str) -> list[tuple[re.Pattern[str], str, list[str]]]:
     return found
 
 
-def _owners(
-    files: list[str], stanzas: list[tuple[re.Pattern[str], str, list[str]]]
-) -> dict[str, tuple[int, set[str]]]:
+def _owners(files: list[str], stanzas: list[tuple[re.Pattern[str], str, list[str]]]) -> dict[str, tuple[int, set[str]]]:
     owners: dict[str, tuple[int, set[str]]] = {}
     for file in files:
-        match = next(
-            ((licence, who) for pattern, licence, who in reversed(stanzas) if pattern.match(file)), None
-        )
+        match = next(((licence, who) for pattern, licence, who in reversed(stanzas) if pattern.match(file)), None)
         licence, who = match or (_UNNAMED, [])
         count, holders = owners.get(licence, (0, set()))
         owners[licence] = (count + 1, holders | set(who))

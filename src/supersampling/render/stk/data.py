@@ -48,8 +48,7 @@ def available_tracks(root: Path | None = None) -> list[str]:
     return [
         folder.name
         for folder in sorted((data_folder(root) / "tracks").iterdir())
-        if (folder / "scene.xml").is_file()
-        and ((folder / "quads.xml").is_file() or (folder / "navmesh.xml").is_file())
+        if (folder / "scene.xml").is_file() and ((folder / "quads.xml").is_file() or (folder / "navmesh.xml").is_file())
     ]
 
 

@@ -59,9 +59,7 @@ def _driveline(track: Path) -> tuple[Points, Points]:
     if loop is not None:
         quads = quads[int(loop.get("from", 0)) : int(loop.get("to", len(quads) - 1)) + 1]
     if len(quads) < 2:
-        raise UserError(
-            f"The driveline of the track {track.name} has {len(quads)} quads: it needs at least 2."
-        )
+        raise UserError(f"The driveline of the track {track.name} has {len(quads)} quads: it needs at least 2.")
     # Each quad's starting edge, then the end of the last one.
     left = np.concatenate([quads[:, 0], quads[-1:, 3]]) @ MIRROR[:3, :3]
     right = np.concatenate([quads[:, 1], quads[-1:, 2]]) @ MIRROR[:3, :3]
@@ -90,9 +88,7 @@ def _at(arc: Points, values: Points, distance: Points) -> Points:
 
 def _walks(navmesh: Element) -> list[Route]:
     """Walks from face to face that share no face: each the longest shortest path among the faces that are left."""
-    corners = np.array([[float(v.get(axis, 0.0)) for axis in "xyz"] for v in navmesh.iter("vertex")]).reshape(
-        -1, 3
-    )
+    corners = np.array([[float(v.get(axis, 0.0)) for axis in "xyz"] for v in navmesh.iter("vertex")]).reshape(-1, 3)
     faces = [[int(i) for i in face.get("indices", "").split()] for face in navmesh.iter("face")]
     links = [[int(i) for i in face.get("adjacents", "").split()] for face in navmesh.iter("face")]
     if not faces:

@@ -45,9 +45,7 @@ def load_track(name: str, root: Path | None = None) -> Scene:
             objects.append(Object(meshes, world_transform(model.chain)))
     routes = read_routes(folder)
     sun, sky = read_sun(source), read_sky(source, assets)
-    files = (
-        {model.path for model in reader.models} | geometry.materials.files | set(sky_files(source, assets))
-    )
+    files = {model.path for model in reader.models} | geometry.materials.files | set(sky_files(source, assets))
     return Scene(
         name=f"stk/{name}",
         materials=geometry.materials.made,

@@ -40,9 +40,7 @@ def _planes(b: Builder, p: Paints) -> None:
 def _lorries(b: Builder, p: Paints) -> None:
     """Four lorries: tanks and crates in turn; their axles roll."""
     course = lane(17.6, 9.0, 0.0, 0.0)
-    boxes = [
-        crate(0.8, 2 + 3 * k).shift(-1.75 + 0.85 * (k % 3), 1.25, -0.45 + 0.9 * (k // 3)) for k in range(6)
-    ]
+    boxes = [crate(0.8, 2 + 3 * k).shift(-1.75 + 0.85 * (k % 3), 1.25, -0.45 + 0.9 * (k // 3)) for k in range(6)]
     boxes += [crate(0.7, 7 + k).turn_y(9 * k).shift(-1.4 + 0.9 * k, 2.0, -0.3 + 0.4 * k) for k in range(2)]
     loads: tuple[list[Part], list[Part]] = (vehicles.tank(p.tank, p.iron), [(join(boxes), p.crates)])
     for k in range(4):
@@ -88,9 +86,7 @@ def _routes() -> list[Route]:
         ("south east", [(9.6, 1.65, 2.4), (2.6, 1.6, 3.8)], [(26.0, 3.3, 26), (10.0, 3.4, 27)]),
         ("north line", [(5.0, 1.65, -3.6), (-5.0, 1.6, -3.9)], [(2.0, 3.2, -25), (-20.0, 3.4, -25)]),
     )  # fmt: skip
-    return [
-        Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines
-    ]
+    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
 
 
 def airstrip() -> Scene:

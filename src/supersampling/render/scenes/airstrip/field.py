@@ -55,9 +55,7 @@ def hangar(width: float, height: float, depth: float) -> tuple[Shape, Shape, Sha
     frame = [tube(line, 0.14, 8)]
     frame += [beam((s * width / 2, 0, 0.12), (s * width / 2, eaves, 0.12), 0.3) for s in (-1, 1)]
     frame += [beam((-width / 2, y, 0.1), (width / 2, y, 0.1), 0.14) for y in (0.1, eaves - 0.9)]
-    frame += [
-        beam((u, 0.1, 0.07), (u, eaves - 0.9, 0.07), 0.1) for u in np.linspace(-width / 2, width / 2, 9)[1:-1]
-    ]
+    frame += [beam((u, 0.1, 0.07), (u, eaves - 0.9, 0.07), 0.1) for u in np.linspace(-width / 2, width / 2, 9)[1:-1]]
     frame += [box((0.5, 0.3, 0.4), (u, eaves - 1.2, 0.25)) for u in np.linspace(-width / 3, width / 3, 4)]
     return front, roof, join(walls), join(frame)
 
@@ -86,9 +84,7 @@ def _windows(b: Builder, p: Paints, places: list[tuple[float, float]], z: float,
     """Windows 1.3 x 1.6 m with bars and sills in a wall at ``z`` that looks along ``out``."""
     turn = 0 if out > 0 else 180
     pane = quad((-0.65, 0.8, 0.03), (1.3, 0, 0), (0, -1.6, 0))
-    bars = [box((0.08, 1.7, 0.1), (u, 0, 0.05)) for u in (-0.67, 0.67)] + [
-        box((0.05, 1.6, 0.06), (0, 0, 0.05))
-    ]
+    bars = [box((0.08, 1.7, 0.1), (u, 0, 0.05)) for u in (-0.67, 0.67)] + [box((0.05, 1.6, 0.06), (0, 0, 0.05))]
     bars += [box((1.42, 0.07, 0.1), (0, y, 0.05)) for y in (-0.8, -0.27, 0.27, 0.8)]
     for x, y in places:
         b.put(pane.turn_y(turn).shift(x, y, z), p.glass)
@@ -145,9 +141,7 @@ def ends(b: Builder, p: Paints) -> None:
         if rng.random() < 0.8:
             row = int(rng.integers(7))
             shade = tuple(float(c) for c in rng.uniform(0.35, 1.0, 3))
-            coat = lathe(
-                [(0.0, 0.95), (0.1, 0.93), (0.12, 0.8), (0.06, 0.74), (0.22, 0.66), (0.2, 0.1), (0.0, 0.1)], 8
-            )
+            coat = lathe([(0.0, 0.95), (0.1, 0.93), (0.12, 0.8), (0.06, 0.74), (0.22, 0.66), (0.2, 0.1), (0.0, 0.1)], 8)
             b.put(coat.shift(38.6 + row, 0.62 + 0.55 * row, z), p.white, (shade[0], shade[1], shade[2]))
 
 
@@ -197,9 +191,7 @@ def infield(b: Builder, p: Paints) -> None:
     pylon = lathe([(0.12, 4.2), (0.3, 3.9), (0.75, 0.1), (0.8, 0.0)], 24).map_uv((0.5, 0.25))
     for x, z in ((-13.6, 0.0), (13.6, 0.0)):
         b.put(pylon.shift(x, 0, z), p.cone)
-    small = join(
-        [lathe([(0.04, 0.72), (0.16, 0.05)], 16).map_uv((1, 1.4)), box((0.4, 0.05, 0.4), (0, 0.025, 0))]
-    )
+    small = join([lathe([(0.04, 0.72), (0.16, 0.05)], 16).map_uv((1, 1.4)), box((0.4, 0.05, 0.4), (0, 0.025, 0))])
     for t in np.arange(0.2, 6.3, 0.48):
         b.put(small.shift(13.9 * np.cos(t), 0, 6.55 * np.sin(t)), p.cone)
     for k, (x, z) in enumerate(((-4.0, 0.3), (-4.6, -0.3), (4.4, 0.2), (5.0, -0.5), (4.2, -0.6))):

@@ -146,8 +146,7 @@ class Paints:
             [(0.4, 0.14, 0.08), (0.66, 0.26, 0.14), (0.8, 0.44, 0.3)],
         )
         self.lorries = [
-            self._matt(f"lorry {k}", metal.riveted(256, 20 + k, paint), 1.1)
-            for k, paint in enumerate((rust, teal))
+            self._matt(f"lorry {k}", metal.riveted(256, 20 + k, paint), 1.1) for k, paint in enumerate((rust, teal))
         ]
         self.iron = self._matt("dark iron", metal.brushed(256, 24, dark, 0.0), 0.5)
         self.wood = self._matt("planks", textures.wood(512, 28, planks), 1.2)

@@ -22,9 +22,7 @@ class Course:
             dense = curve(np.linspace(0, float(curve.x[-1]), 2049))
             arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(dense, axis=0), axis=1))])
             even = np.linspace(0, arc[-1], 129)[:-1]
-            curve = _closed(
-                np.stack([np.interp(even, arc, dense[:, k]) for k in range(3)], 1), float(arc[-1])
-            )
+            curve = _closed(np.stack([np.interp(even, arc, dense[:, k]) for k in range(3)], 1), float(arc[-1]))
         self._curve, self.length = curve, float(curve.x[-1])
 
     def ride(self, speed: float, start: float, bank: float = 0.0) -> Transform:

@@ -50,9 +50,7 @@ def crown(size: int, seed: int) -> Texture:
     leaves = [(0.1, 0.16, 0.05), (0.26, 0.38, 0.12), (0.52, 0.58, 0.26)]
     image = textures.foliage(size, seed, 210, leaves).copy()
     y, x = np.mgrid[:size, :size] / size - 0.5
-    lobes = 0.2 * (textures.fractal(size, seed + 1, 1.2) - 0.5) + 0.05 * (
-        textures.fractal(size, seed + 2, 0.5) - 0.5
-    )
+    lobes = 0.2 * (textures.fractal(size, seed + 1, 1.2) - 0.5) + 0.05 * (textures.fractal(size, seed + 2, 0.5) - 0.5)
     image[..., 3] = np.where(np.hypot(x, 1.08 * y) < 0.4 + lobes, image[..., 3], 0)
     shade = np.clip(0.8 - 0.9 * y - 0.5 * x + lobes, 0.35, 1.2)
     image[..., :3] = textures.picture(image[..., :3] / 255 * shade[..., None])

@@ -104,9 +104,7 @@ def _rigging(biplane: bool) -> Shape:
             rods.append(beam((0.75, -0.25, s * 0.5), (0.9, 1.2, s * 2.05), 0.015))
     wheels = [wheel(0.27, 0.16).shift(0.75, -0.85, s * 0.9) for s in (-1, 1)]
     wheels.append(wheel(0.11, 0.07).shift(-2.6, -0.3, 0))
-    pots = [
-        cylinder(0.05, 0.5, 8).at(rotation((0, 0, 1), np.pi / 2)).shift(1.6, -0.3, s * 0.42) for s in (-1, 1)
-    ]
+    pots = [cylinder(0.05, 0.5, 8).at(rotation((0, 0, 1), np.pi / 2)).shift(1.6, -0.3, s * 0.42) for s in (-1, 1)]
     frame = [box((0.04, 0.05, 0.5), (x, 0.8, 0)) for x in (-0.1, 0.3)]
     return join([*rods, *wheels, *pots, *frame])
 
@@ -127,9 +125,7 @@ def truck(paint: int, metal: int, glass: int, load: list[Part]) -> list[Part]:
         normal = np.tile([0.0, 0.0, np.sign(z)], (6, 1))
         cab.append(Shape(points, normal, ring * [1, -1], fan))
     for p, q in zip(side, np.roll(side, -1, axis=0)):
-        cab.append(
-            quad((*q, 0.92), (0, 0, -1.84), (*(p - q), 0)).map_uv((1.84, float(np.linalg.norm(q - p))))
-        )
+        cab.append(quad((*q, 0.92), (0, 0, -1.84), (*(p - q), 0)).map_uv((1.84, float(np.linalg.norm(q - p)))))
     bed = [box((2.85, 0.12, 1.9), (-0.8, 0.79, 0)), box((0.06, 0.3, 1.9), (-2.2, 0.95, 0))]
     frame = [box((4.3, 0.2, 0.7), (0.0, 0.55, 0)), box((0.16, 0.2, 1.8), (2.28, 0.52, 0))]
     frame += [box((0.9, 0.08, 0.3), (x, 0.9, z)) for x in AXLES for z in (-0.95, 0.95)]

@@ -43,9 +43,7 @@ class Stage:
         """Parts before the camera."""
         self._put(parts, transform, "camera")
 
-    def _put(
-        self, parts: list[Part], transform: Transform, frame: Literal["world", "camera", "billboard"]
-    ) -> None:
+    def _put(self, parts: list[Part], transform: Transform, frame: Literal["world", "camera", "billboard"]) -> None:
         self._builder.move(parts, transform)
         self._frames.append(frame)
 

@@ -121,9 +121,7 @@ def crawler(add: Add, ride: Transform, speed: float, phase: float, coat: Coat) -
     plates = [lathe([(0.32, 0.04), (0.4, 0.0), (0.4, -0.03)], 24).shift(x, 0.87, 0) for x in (-0.3, 0.1)]
     spikes = [lathe([(0.0, 0.22), (0.05, 0.0)], 8).shift(-0.5 + 0.2 * k, 0.88, 0) for k in range(6)]
     eyes = [sphere(0.05, 12).shift(0.6, 0.78, s * 0.16) for s in (-1, 1)]
-    jaws = [
-        tube([(0.6, 0.62, s * 0.12), (0.8, 0.58, s * 0.2), (0.95, 0.56, s * 0.06)], 0.03, 8) for s in (-1, 1)
-    ]
+    jaws = [tube([(0.6, 0.62, s * 0.12), (0.8, 0.58, s * 0.2), (0.95, 0.56, s * 0.06)], 0.03, 8) for s in (-1, 1)]
     bob = sway((0, 0, 0), (1, 0, 0), 2.5, 2.2, phase)
     add(
         [(join([shell, *plates]), coat.plate), (join([*spikes, *jaws]), coat.metal), (join(eyes), coat.glow)],

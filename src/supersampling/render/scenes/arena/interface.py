@@ -20,9 +20,7 @@ _LOG = (
 )  # fmt: skip
 
 
-def _bar(
-    draw: ImageDraw.ImageDraw, box: tuple[int, int, int, int], share: float, color: Rgb, ticks: int
-) -> None:
+def _bar(draw: ImageDraw.ImageDraw, box: tuple[int, int, int, int], share: float, color: Rgb, ticks: int) -> None:
     """Framed bar (left, top, right, bottom) filled to ``share``, with ``ticks`` divisions."""
     left, top, right, bottom = box
     draw.rectangle(box, (46, 50, 58), INK, 2)

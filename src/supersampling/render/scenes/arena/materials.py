@@ -41,9 +41,7 @@ def trodden(size: int, seed: int, stops: list[tuple[float, float, float]]) -> me
     for _ in range(150):
         a = rng.uniform(0, 2 * np.pi)
         along, across = np.cos(a) * u + np.sin(a) * v, np.cos(a) * v - np.sin(a) * u
-        sole = np.clip(1.3 - np.hypot(along / 0.8, across / 0.36), 0, 1) * (
-            0.7 + 0.3 * np.sign(np.sin(along * 16))
-        )
+        sole = np.clip(1.3 - np.hypot(along / 0.8, across / 0.36), 0, 1) * (0.7 + 0.3 * np.sign(np.sin(along * 16)))
         rows, columns = (
             (np.arange(2 * step + 1) + rng.integers(size)) % size,
             (np.arange(2 * step + 1) + rng.integers(size)) % size,
@@ -74,9 +72,7 @@ class Materials:
         dark = [(0.12, 0.12, 0.13), (0.24, 0.24, 0.25), (0.38, 0.37, 0.36)]
         oak = [(0.18, 0.11, 0.06), (0.42, 0.28, 0.16), (0.6, 0.44, 0.28)]
         self.sand = self._maps("sand", trodden(1024, 1, sand), 5.0)
-        self.lime = self._maps(
-            "lime on sand", textures.rough(512, 3, [(0.6, 0.56, 0.48), (0.86, 0.84, 0.78)]), 2.4
-        )
+        self.lime = self._maps("lime on sand", textures.rough(512, 3, [(0.6, 0.56, 0.48), (0.86, 0.84, 0.78)]), 2.4)
         self.stone = self._maps("stone", textures.stone(512, 5, pale, 4), 2.2)
         self.brick = self._maps("brick", textures.bricks(512, 16, 6, clay, 9), 1.6)
         self.oak = self._maps("oak", textures.wood(512, 13, oak), 1.0)
@@ -93,18 +89,12 @@ class Materials:
         flags = (((140, 30, 26), (240, 216, 150), "FORGE"), ((28, 58, 104), (236, 230, 214), "YARD"))
         self.flags = [self._plain(w, lettering.banner(30 + k, b, f, w)) for k, (b, f, w) in enumerate(flags)]
         embers = metal.embers(256, 33)
-        self.embers = builder.material(
-            Material("embers", *embers, roughness=1.0, emission=(1.0, 0.5, 0.22)), 0.8
-        )
+        self.embers = builder.material(Material("embers", *embers, roughness=1.0, emission=(1.0, 0.5, 0.22)), 0.8)
         glow = [self._light(f"glow {k}", c) for k, c in enumerate(((3.0, 0.7, 0.3), (0.4, 1.6, 3.0)))]
-        plates = [
-            self._maps(f"coat {k}", metal.riveted(256, 40 + 4 * k, c), 0.5) for k, c in enumerate(COATS)
-        ]
+        plates = [self._maps(f"coat {k}", metal.riveted(256, 40 + 4 * k, c), 0.5) for k, c in enumerate(COATS)]
         self.coats = [Coat(p, self.iron, self.steel, glow[k % 2]) for k, p in enumerate(plates)]
         self.plates = [self._shown(f[0], interface.plate(*f)) for f in FIGURES]
-        self.marks = [
-            self._shown(t, interface.mark(t, c)) for t, c in (("!", interface.GOLD), ("?", interface.POWER))
-        ]
+        self.marks = [self._shown(t, interface.mark(t, c)) for t, c in (("!", interface.GOLD), ("?", interface.POWER))]
         self.vitals = self._shown("vitals", interface.vitals())
         self.title = self._shown("title", interface.title())
         self.log = self._shown("log", interface.log())

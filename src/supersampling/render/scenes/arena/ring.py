@@ -65,9 +65,7 @@ def crowd(b: Builder, m: Materials) -> None:
         for angle in np.arange(0, 360, 62 / radius):
             if rng.random() < 0.72:
                 tone = rng.uniform(0.25, 1.0, 3) * rng.uniform(0.5, 1.0)
-                place = body.shift(radius + rng.uniform(-0.15, 0.15), 2.5 + 0.5 * tier, 0).turn_y(
-                    float(angle)
-                )
+                place = body.shift(radius + rng.uniform(-0.15, 0.15), 2.5 + 0.5 * tier, 0).turn_y(float(angle))
                 b.put(place, m.cloth, (float(tone[0]), float(tone[1]), float(tone[2])))
 
 
@@ -82,9 +80,7 @@ def trim(b: Builder, m: Materials) -> None:
         pillar.append(box((0.85, 0.5, 1.05), (RADIUS - 0.12, 0.25, 0)))
         b.put(join(pillar).turn_y(a), m.stone, (0.95, 0.93, 0.9))
         b.put(
-            lathe([(0.0, 0.5), (0.16, 0.4), (0.22, 0.22), (0.1, 0.0)], 16)
-            .shift(RADIUS - 0.15, 3.3, 0)
-            .turn_y(a),
+            lathe([(0.0, 0.5), (0.16, 0.4), (0.22, 0.22), (0.1, 0.0)], 16).shift(RADIUS - 0.15, 3.3, 0).turn_y(a),
             m.steel,
         )
         flag = quad((-0.34, 2.95, 0), (0.68, 0, 0), (0, -2.4, 0)).turn_y(-90).shift(RADIUS - 0.5, 0, 0)
@@ -97,18 +93,13 @@ def trim(b: Builder, m: Materials) -> None:
             b.put(join(bars).shift(RADIUS - 0.35, 0, 0).turn_y(middle), m.iron)
             b.put(box((0.4, 0.25, 2.4), (RADIUS - 0.2, 2.15, 0)).turn_y(middle), m.oak)
             b.put(
-                quad((-1.0, 2.1, 0), (2.0, 0, 0), (0, -2.1, 0))
-                .turn_y(-90)
-                .shift(RADIUS - 0.2, 0, 0)
-                .turn_y(middle),
+                quad((-1.0, 2.1, 0), (2.0, 0, 0), (0, -2.1, 0)).turn_y(-90).shift(RADIUS - 0.2, 0, 0).turn_y(middle),
                 m.iron,
             )
         else:
             for z in (-0.85, 0.85):
                 which = m.rules if (k + (z > 0)) % 5 == 0 else m.boards[(k + 2 * (z > 0)) % 4]
-                board = (
-                    quad((-0.7, 0.7, 0), (1.4, 0, 0), (0, -1.4, 0)).turn_y(-90).shift(RADIUS - 0.16, 1.3, z)
-                )
+                board = quad((-0.7, 0.7, 0), (1.4, 0, 0), (0, -1.4, 0)).turn_y(-90).shift(RADIUS - 0.16, 1.3, z)
                 b.put(board.turn_y(middle), which)
                 rim = [box((0.08, 1.5, 0.06), (0, 0, s * 0.73)) for s in (-1, 1)]
                 rim += [box((0.08, 0.06, 1.5), (0, s * 0.73, 0)) for s in (-1, 1)]
@@ -155,9 +146,7 @@ def obstacles(b: Builder, m: Materials) -> None:
         b.put(board.turn_y(90 * k), m.boards[k])
         b.put(box((0.66, 0.66, 0.08), (0, 0.98, 0.67)).turn_y(90 * k), m.oak)
     _braziers(b, m)
-    for k, (radius, degrees) in enumerate(
-        ((13.2, 33), (13.1, 38), (13.2, 124), (13.0, 213), (13.2, 218), (13.1, 302))
-    ):
+    for k, (radius, degrees) in enumerate(((13.2, 33), (13.1, 38), (13.2, 124), (13.0, 213), (13.2, 218), (13.1, 302))):
         b.put(crate(0.7, 2 * k).turn_y(10 * k).shift(radius, 0.35, 0).turn_y(degrees), m.crates)
         if k % 2:
             b.put(crate(0.5, 3 * k).turn_y(25).shift(radius, 0.95, 0).turn_y(degrees), m.crates)

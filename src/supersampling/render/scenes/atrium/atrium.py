@@ -110,9 +110,7 @@ def _walls(b: Builder, p: Palette, rng: np.random.Generator) -> None:
 
 def _furniture(b: Builder, p: Palette, rng: np.random.Generator) -> None:
     """Plants, benches, crates, cables, lanterns' rods, the statue's pedestal and the cart's rails."""
-    spots = [(x, -3.72) for x in (-7.0, -1.4, 1.4, 7.0)] + [
-        (x, z) for x in (-10.3, 10.3) for z in (-7.3, 7.3)
-    ]
+    spots = [(x, -3.72) for x in (-7.0, -1.4, 1.4, 7.0)] + [(x, z) for x in (-10.3, 10.3) for z in (-7.3, 7.3)]
     spots += [(-10.2, -2.4), (-10.2, 2.4), (10.2, -2.4), (10.2, 2.4)]
     for k, (x, z) in enumerate(spots):
         pot, soil, cards = parts.plant(rng, 1.0 + 0.1 * (k % 5))
@@ -161,10 +159,7 @@ def _routes() -> list[Route]:
         ("west end", [(-8.4, 1.7, 3.4), (-8.3, 1.7, -6.2)], [(0, 1.8, 2), (0, 2.0, -5)]),
         ("across at the east", [(8.4, 1.65, 6.6), (8.4, 1.65, -6.4)], [(0, 1.7, 4), (0, 1.8, -8)]),
     ]
-    return [
-        Route(name, np.array(points, np.float32), np.array(focus, np.float32))
-        for name, points, focus in lines
-    ]
+    return [Route(name, np.array(points, np.float32), np.array(focus, np.float32)) for name, points, focus in lines]
 
 
 def atrium() -> Scene:

@@ -57,9 +57,7 @@ def _carved(text: str, seed: int) -> tuple[Texture, Texture, Texture]:
 def _grooved(albedo: Texture, count: int) -> Texture:
     """Darkens ``count`` upright grooves as the sky's light does that does not reach into them."""
     across = np.arange(albedo.shape[1]) / albedo.shape[1] * count
-    return textures.picture(
-        albedo / 255 * (1 - 0.45 * (0.5 - 0.5 * np.cos(2 * np.pi * across)) ** 2)[:, None]
-    )
+    return textures.picture(albedo / 255 * (1 - 0.45 * (0.5 - 0.5 * np.cos(2 * np.pi * across)) ** 2)[:, None])
 
 
 class Palette:
@@ -89,16 +87,10 @@ class Palette:
         iron = [(0.07, 0.07, 0.08), (0.2, 0.2, 0.21), (0.34, 0.33, 0.32)]
         self.iron = self._maps("iron", metal.brushed(256, 9, iron, 0.4), 0.5)
         self.brass = self._maps("brass", metal.brushed(512, 10, brass, 0.55), 0.8)
-        self.cart = self._maps(
-            "painted cart", metal.riveted(512, 11, [(0.08, 0.2, 0.22), (0.2, 0.45, 0.45)]), 0.8
-        )
+        self.cart = self._maps("painted cart", metal.riveted(512, 11, [(0.08, 0.2, 0.22), (0.2, 0.45, 0.45)]), 0.8)
         self.papers = [self._flat(f"newspaper {k}", lettering.newspaper(k)) for k in range(4)]
-        self.posters = [
-            self._flat(f"poster {k}", lettering.poster(k, b, f, t)) for k, (t, b, f) in enumerate(POSTERS)
-        ]
-        self.notice = self._flat(
-            "library rules", lettering.notice(5, "LIBRARY RULES", (236, 230, 212), (30, 40, 70))
-        )
+        self.posters = [self._flat(f"poster {k}", lettering.poster(k, b, f, t)) for k, (t, b, f) in enumerate(POSTERS)]
+        self.notice = self._flat("library rules", lettering.notice(5, "LIBRARY RULES", (236, 230, 212), (30, 40, 70)))
         self.spines = self._flat("book spines", lettering.spines(3), roughness=0.6)
         self.crates = self._flat("crate labels", lettering.label_sheet(6))
         self.friezes = [self._maps(f"frieze {k}", _carved(t, 30 + k), 1.0) for k, t in enumerate(FRIEZES)]
@@ -106,8 +98,7 @@ class Palette:
         cloth = [((130, 28, 34), (240, 214, 140)), ((26, 54, 96), (236, 228, 206)), ((222, 200, 140), (70, 24, 30)),
                  ((34, 82, 62), (238, 214, 150))]  # fmt: skip
         self.banners = [
-            self._flat(f"banner {k}", lettering.banner(20 + k, *cloth[k], word))
-            for k, word in enumerate(BANNERS)
+            self._flat(f"banner {k}", lettering.banner(20 + k, *cloth[k], word)) for k, word in enumerate(BANNERS)
         ]
         self.clock = self._flat("clock", clock_face())
         leaves = [(0.05, 0.12, 0.03), (0.2, 0.42, 0.1), (0.5, 0.66, 0.24)]

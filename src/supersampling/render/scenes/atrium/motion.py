@@ -78,9 +78,7 @@ def _cart(b: Builder, p: Palette) -> None:
         box((0.06, 0.1, 0.5), (-0.72, 0.23, 0)),
         box((0.06, 0.1, 0.5), (0.72, 0.23, 0)),
     ]
-    sides = [
-        (s.turn_y(t).shift(0, 0.18, 0), m) for t in (0, 180) for s, m in ((wood, p.oak), (books, p.spines))
-    ]
+    sides = [(s.turn_y(t).shift(0, 0.18, 0), m) for t in (0, 180) for s, m in ((wood, p.oak), (books, p.spines))]
     handle = join([beam((x, 0.2, 0), (x, 1.1, 0), 0.03) for x in (-0.74, 0.74)])
     trip = shuttle(*ends, CART_HERTZ)
     b.move([(join(body), p.cart), (handle, p.iron), *sides], trip)

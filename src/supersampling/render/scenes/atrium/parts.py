@@ -11,9 +11,7 @@ SPRING = 3.6  # height at which the arches start
 BAY = 2.8  # metres between columns
 FLUTES = 20
 _SHAFT = ((0.265, SPRING - 0.5), (0.285, 2.2), (0.3, 1.3), (0.31, 0.45))  # radius and height
-GIRTH = (
-    2 * np.pi * sum(radius for radius, _ in _SHAFT) / len(_SHAFT)
-)  # what a lathe's u runs over in one turn
+GIRTH = 2 * np.pi * sum(radius for radius, _ in _SHAFT) / len(_SHAFT)  # what a lathe's u runs over in one turn
 
 
 def column() -> tuple[Shape, Shape, Shape]:
@@ -42,9 +40,7 @@ def arch(height: float) -> tuple[Shape, Shape]:
     inner = np.stack([radius * np.cos(angle), radius * np.sin(angle)], 1)
     outer = np.stack([np.cos(angle) * half, np.full(25, height)], 1)
     sides = np.array([[half, 0.0], [-half, 0.0]])
-    wall = plate(
-        np.concatenate([sides[:1], outer, sides[1:]]), np.concatenate([inner[:1], inner, inner[-1:]]), 0.5
-    )
+    wall = plate(np.concatenate([sides[:1], outer, sides[1:]]), np.concatenate([inner[:1], inner, inner[-1:]]), 0.5)
     ring = plate(inner * 1.16, inner * 0.985, 0.62)
     key = box((0.22, 0.42, 0.7), (0, radius + 0.12, 0))
     teeth = [
@@ -76,9 +72,7 @@ def bookcase(rng: np.random.Generator, width: float = 2.3, shelves: int = 7) -> 
             at = rng.integers(64)
             positions = unit.positions * [thick - 0.003, tall, deep] + middle
             books.append(
-                Shape(
-                    positions, unit.normals, (unit.uv * scale + [at % 16, at // 16]) / [16, 4], unit.triangles
-                )
+                Shape(positions, unit.normals, (unit.uv * scale + [at % 16, at // 16]) / [16, 4], unit.triangles)
             )
             x += thick + (rng.uniform(0.05, 0.2) if rng.random() < 0.06 else 0)
     return join(wood), join(books)
@@ -122,9 +116,7 @@ def screen(width: float, height: float) -> tuple[Shape, Shape]:
 
 def plant(rng: np.random.Generator, height: float = 1.1) -> tuple[Shape, Shape, Shape]:
     """Pot, soil with stems, and cards of foliage."""
-    pot = lathe(
-        [(0.24, 0.5), (0.32, 0.5), (0.33, 0.44), (0.29, 0.42), (0.3, 0.25), (0.2, 0.04), (0.22, 0.0)], 24
-    )
+    pot = lathe([(0.24, 0.5), (0.32, 0.5), (0.33, 0.44), (0.29, 0.42), (0.3, 0.25), (0.2, 0.04), (0.22, 0.0)], 24)
     soil = [lathe([(0, 0.47), (0.27, 0.46)], 16)]
     cards = []
     for k in range(26):
@@ -173,12 +165,8 @@ def _ring(radius: float, thick: float, wide: float) -> Shape:
 
 def wheel(radius: float) -> tuple[Shape, Shape]:
     """Tyre with spokes about z; hub."""
-    spokes = [
-        beam((0, 0, 0), (radius * np.cos(a), radius * np.sin(a), 0), 0.025) for a in np.arange(10) * np.pi / 5
-    ]
-    return join([_ring(radius, 0.04, 0.06), *spokes]), cylinder(0.05, 0.12, 10).at(
-        rotation((1, 0, 0), np.pi / 2)
-    )
+    spokes = [beam((0, 0, 0), (radius * np.cos(a), radius * np.sin(a), 0), 0.025) for a in np.arange(10) * np.pi / 5]
+    return join([_ring(radius, 0.04, 0.06), *spokes]), cylinder(0.05, 0.12, 10).at(rotation((1, 0, 0), np.pi / 2))
 
 
 def sagging(a: Sequence[float], b: Sequence[float], sag: float) -> Floats:

@@ -20,10 +20,7 @@ def _light(place: Point, color: Point, power: float, radius: float, shadowed: bo
 def _lights() -> list[PointLight]:
     """Three lamps with shadows; small lights that give the shelves, tables, neon and window their highlights."""
     lamp = bar_room.PENDANT_Y - 0.04
-    lights = [
-        _light((x, lamp, bar_room.PENDANT_Z), _WARM, 5.0, 6.5, k == 1)
-        for k, x in enumerate(bar_room.PENDANTS)
-    ]
+    lights = [_light((x, lamp, bar_room.PENDANT_Z), _WARM, 5.0, 6.5, k == 1) for k, x in enumerate(bar_room.PENDANTS)]
     lights.append(_light((-0.4, 3.3, 1.7), _WARM, 5.0, 8.0, True))
     lights.append(_light((6.7, 3.35, 0.6), (1.0, 0.8, 0.62), 9.0, 7.0, True))
     lights += [_light((x, 2.0, -4.2), _WARM, 0.8, 2.4) for x in bar_room.BAYS]
@@ -51,9 +48,7 @@ def _routes() -> list[Route]:
         ("corner", [(6.9, 1.6, -3.9), (5.0, 1.6, -1.5), (3.4, 1.6, 0.4)], [(2, 1.2, -2.6), (0, 1.1, -3.2), (-3, 1.1, -2.4)]),
         ("tables", [(-6.6, 1.45, -0.5), (2.0, 1.45, 0.1)], [(-3.4, 0.7, 1.6), (5.2, 0.9, 2.4)]),
     )  # fmt: skip
-    return [
-        Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines
-    ]
+    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
 
 
 def bar() -> Scene:

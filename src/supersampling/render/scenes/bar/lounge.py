@@ -210,9 +210,7 @@ def globes(b: Builder, p: Palette) -> None:
     for x, z in GLOBES:
         b.put(sphere(0.11, 14).shift(x, 2.9, z), p.opal)
         b.put(
-            lathe([(0.02, 0.52), (0.012, 0.5), (0.012, 0.12), (0.06, 0.11), (0.065, 0.08)], 12).shift(
-                x, 2.9, z
-            ),
+            lathe([(0.02, 0.52), (0.012, 0.5), (0.012, 0.12), (0.06, 0.11), (0.065, 0.08)], 12).shift(x, 2.9, z),
             p.brass,
         )
 

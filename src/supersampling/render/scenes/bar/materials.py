@@ -72,8 +72,7 @@ class Palette:
             (0.12, 0.14, 0.145),
         )
         self.glass = tuple(
-            self._plain(f"bottle glass {k}", t, 0.09, (0.4 * t[0], 0.4 * t[1], 0.4 * t[2]))
-            for k, t in enumerate(tints)
+            self._plain(f"bottle glass {k}", t, 0.09, (0.4 * t[0], 0.4 * t[1], 0.4 * t[2])) for k, t in enumerate(tints)
         )
 
     def _glowing(self) -> None:
@@ -91,9 +90,7 @@ class Palette:
                 ("LIVE PIANO", "every night at ten", (30, 8, 40), (240, 150, 255)),
             )
         )
-        self.neon = {
-            name: self._plain(f"{name} neon", (0.8, 0.8, 0.8), 0.15, glow) for name, glow in NEON.items()
-        }
+        self.neon = {name: self._plain(f"{name} neon", (0.8, 0.8, 0.8), 0.15, glow) for name, glow in NEON.items()}
         self.bulb = self._plain("bulb", (0.9, 0.85, 0.7), 0.2, (9.0, 6.2, 3.2))
         self.opal = self._plain("opal globe", (0.85, 0.8, 0.72), 0.15, (2.6, 2.1, 1.5))
         self.candle = self._plain("candle glass", (0.7, 0.3, 0.1), 0.12, (2.6, 1.1, 0.25))
@@ -105,9 +102,7 @@ class Palette:
         return self._builder.material(material, tile)
 
     def _plain(self, name: str, color: Color, roughness: float, emission: Color = (0.0, 0.0, 0.0)) -> int:
-        return self._builder.material(
-            Material(name, base_color=color, roughness=roughness, emission=emission)
-        )
+        return self._builder.material(Material(name, base_color=color, roughness=roughness, emission=emission))
 
     def _sign(self, text: str, small: str, back: tuple[int, int, int], front: tuple[int, int, int]) -> int:
         maps: tuple[Texture, Texture] = tex.lit_sign(text, small, back, front)

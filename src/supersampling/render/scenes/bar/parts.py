@@ -101,9 +101,7 @@ def chair() -> tuple[Shape, Shape]:
     ring = np.linspace(0, 2 * np.pi, 14, endpoint=False)
     brace = tube(np.stack([0.155 * np.cos(ring), 0 * ring + 0.22, 0.155 * np.sin(ring)], 1), 0.009, 4, True)
     rim = lathe([(0.205, 0.475), (0.21, 0.46), (0.2, 0.44)], 18)
-    return join([*hoops, *legs, brace, rim]), lathe(
-        [(0, 0.5), (0.12, 0.495), (0.19, 0.485), (0.205, 0.475)], 18
-    )
+    return join([*hoops, *legs, brace, rim]), lathe([(0, 0.5), (0.12, 0.495), (0.19, 0.485), (0.205, 0.475)], 18)
 
 
 def bench(width: float) -> tuple[Shape, Shape]:
@@ -147,8 +145,7 @@ def taps(count: int) -> tuple[Shape, Shape]:
     width = 0.14 * count
     arms = [tube([(x, 0.0, 0), (x, 0.3, 0)], 0.03, 12) for x in (-width / 2 + 0.1, width / 2 - 0.1)]
     arms += [
-        lathe([(0.03, 0.05), (0.07, 0.02), (0.075, 0)], 18).shift(x, 0, 0)
-        for x in (-width / 2 + 0.1, width / 2 - 0.1)
+        lathe([(0.03, 0.05), (0.07, 0.02), (0.075, 0)], 18).shift(x, 0, 0) for x in (-width / 2 + 0.1, width / 2 - 0.1)
     ]
     arms += [
         tube([(-width / 2, 0.3, 0), (width / 2, 0.3, 0)], 0.04, 16),
@@ -159,9 +156,7 @@ def taps(count: int) -> tuple[Shape, Shape]:
         arms.append(tube([(x, 0.3, 0), (x, 0.3, -0.09), (x, 0.27, -0.12), (x, 0.2, -0.12)], 0.013, 7))
         arms.append(tube([(x, 0.33, -0.06), (x, 0.38, -0.06)], 0.01, 6))
         handles.append(
-            lathe([(0, 0.2), (0.016, 0.195), (0.022, 0.16), (0.012, 0.03), (0.012, 0)], 10).shift(
-                x, 0.37, -0.06
-            )
+            lathe([(0, 0.2), (0.016, 0.195), (0.022, 0.16), (0.012, 0.03), (0.012, 0)], 10).shift(x, 0.37, -0.06)
         )
     return join(arms), join(handles)
 
@@ -174,9 +169,7 @@ def fan(blades: int, radius: float) -> tuple[Shape, Shape]:
     )
     for i in range(blades):
         turn = 360 / blades * i
-        blade = box((radius - 0.22, 0.012, 0.15), (0.22 + (radius - 0.22) / 2, 0, 0)).at(
-            rotation((1, 0, 0), 0.22)
-        )
+        blade = box((radius - 0.22, 0.012, 0.15), (0.22 + (radius - 0.22) / 2, 0, 0)).at(rotation((1, 0, 0), 0.22))
         wood.append(blade.turn_y(turn))
         brass.append(box((0.2, 0.015, 0.05), (0.18, 0.004, 0)).at(rotation((1, 0, 0), 0.22)).turn_y(turn))
     return join(wood), join(brass)

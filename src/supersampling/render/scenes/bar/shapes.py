@@ -78,9 +78,7 @@ def mirror_ball(radius: float, rows: int = 13) -> Shape:
         count = max(round(2 * rows * np.sin((high + low) / 2)), 5)
         for k in range(count):
             left, right = (2 * np.pi * (k + share) / count for share in (0.03, 0.97))
-            corner, beside, below = (
-                _on_ball(radius, a, t) for a, t in ((left, high), (right, high), (left, low))
-            )
+            corner, beside, below = (_on_ball(radius, a, t) for a, t in ((left, high), (right, high), (left, low)))
             flat = quad(corner, beside - corner, below - corner)
             last = _on_ball(radius, right, low)
             faces.append(

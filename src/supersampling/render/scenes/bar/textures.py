@@ -126,9 +126,7 @@ def fans(size: int, seed: int, stops: Sequence[Sequence[float]], cells: int = 2)
         v = y - 0.5 * row
         radius, angle = np.hypot(u, v), np.arctan2(-v, u)
         inside = (radius < 0.5) & (v < 0.25)
-        arcs = np.clip((0.045 - np.abs(radius - 0.46)) * 40, 0, 1) + np.clip(
-            (0.03 - np.abs(radius - 0.33)) * 40, 0, 1
-        )
+        arcs = np.clip((0.045 - np.abs(radius - 0.46)) * 40, 0, 1) + np.clip((0.03 - np.abs(radius - 0.33)) * 40, 0, 1)
         ribs = np.clip((np.cos(10 * angle) - 0.55) * 5, 0, 1) * ((radius > 0.08) & (radius < 0.27))
         figure = np.where(inside, np.clip(arcs + ribs, 0, 1), figure)
         shade = np.where(inside, 1 - radius, shade)
@@ -148,9 +146,7 @@ def onyx(size: int, seed: int) -> Maps:
     cloud, fine = fractal(size, seed, 2.0, (0.7, 1.6)), fractal(size, seed + 1, 1.5)
     height = fractal(size, seed + 2, 2.2)
     band = 0.5 + 0.5 * np.sin(2 * np.pi * (4 * cloud + 0.3 * fine))
-    color = ramp(
-        np.clip(0.7 * band + 0.3 * fine, 0, 1), [(0.42, 0.13, 0.03), (0.85, 0.45, 0.12), (0.98, 0.8, 0.45)]
-    )
+    color = ramp(np.clip(0.7 * band + 0.3 * fine, 0, 1), [(0.42, 0.13, 0.03), (0.85, 0.45, 0.12), (0.98, 0.8, 0.45)])
     return picture(color), normals(height, 1.5), surface(0.12 + 0.1 * fine, 0.0, 0.3 + 0.7 * band)
 
 
@@ -172,9 +168,7 @@ def night_town(width: int, height: int, seed: int) -> Texture:
                     if rng.random() < 0.3:
                         lamp = ((255, 196, 110), (255, 226, 170), (150, 190, 255))[int(rng.integers(3))]
                         shade = rng.uniform(0.25, 0.9)
-                        draw.rectangle(
-                            (column, row, column + 4, row + 6), tuple(int(v * shade) for v in lamp)
-                        )
+                        draw.rectangle((column, row, column + 4, row + 6), tuple(int(v * shade) for v in lamp))
             x += wide + int(rng.integers(2, 16))
     glow = np.zeros((height, width, 3))
     v, u = np.mgrid[-22:22, -22:22]

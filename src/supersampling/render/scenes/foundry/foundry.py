@@ -24,9 +24,7 @@ def _shelf(b: Builder, m: Stock, x: float, z: float, turn: float, seed: int) -> 
         while u < 1.1:
             size = float(rng.uniform(0.32, 0.55))
             if rng.random() < 0.8:
-                thing = crate(size, int(rng.integers(16))).shift(
-                    u, y + 0.02 + size / 2, float(rng.uniform(-0.05, 0.1))
-                )
+                thing = crate(size, int(rng.integers(16))).shift(u, y + 0.02 + size / 2, float(rng.uniform(-0.05, 0.1)))
                 parts.append((thing, m.crates))
             else:
                 profile = [(0, 0.3), (0.1, 0.3), (0.16, 0.22), (0.16, 0.18), (0.07, 0.14), (0.07, 0.06)]
@@ -115,9 +113,7 @@ def _routes() -> list[Route]:
             [(-3.6, 1.3, -0.8), (-1.0, 1.2, -1.0), (4, 1.0, 1.6)],
         ),
     )
-    return [
-        Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines
-    ]
+    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
 
 
 def foundry() -> Scene:

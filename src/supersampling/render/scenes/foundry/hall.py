@@ -88,9 +88,7 @@ def pipes(b: Builder, m: Stock) -> None:
             b.put(box((0.05, 0.08, 0.5), (x + 1.2, y - radius - 0.03, -6.75)), m.iron)
     joint = flange(0.09, "y")
     for x in (-9.6, -1.6, 2.3, 7.2, 9.4):
-        b.put(
-            pipe([(x, 4.3, -6.5), (x, 4.3, -6.2), (x, 0.0, -6.2)], 0.09, 0.15), m.brass if x > 5 else m.steel
-        )
+        b.put(pipe([(x, 4.3, -6.5), (x, 4.3, -6.2), (x, 0.0, -6.2)], 0.09, 0.15), m.brass if x > 5 else m.steel)
         b.put(joint.shift(x, 2.6, -6.2), m.iron)
         b.put(joint.shift(x, 0.05, -6.2), m.iron)
         b.put(hand_wheel(0.17, (x, 1.35, -5.95)), m.red)

@@ -23,9 +23,7 @@ from .stock import Stock
 Point = tuple[float, float, float]
 
 
-def _train(
-    b: Builder, first: Point, wheels: list[tuple[int, float]], hertz: float, metals: list[int]
-) -> None:
+def _train(b: Builder, first: Point, wheels: list[tuple[int, float]], hertz: float, metals: list[int]) -> None:
     """Meshing wheels in one plane: (teeth, direction from the wheel before in degrees); module 0.05 m."""
     module, (x, y, z) = 0.05, first
     phase, teeth, rate = 0.0, wheels[0][0], hertz
@@ -158,9 +156,7 @@ def conveyor(b: Builder, m: Stock) -> None:
     for reach in (radius - 0.36, radius + 0.36):
         at = [oval(half, reach, s)[:2] for s in _stations(half, reach)]
         for (x, z), (u, w) in zip(at, [*at[1:], at[0]]):
-            rail = beam(
-                (centre[0] + x, 0.86, centre[2] + z), (centre[0] + u, 0.86, centre[2] + w), 0.05, 0.16
-            )
+            rail = beam((centre[0] + x, 0.86, centre[2] + z), (centre[0] + u, 0.86, centre[2] + w), 0.05, 0.16)
             b.put(rail, m.yellow)
         for x, z in at[::3]:
             b.put(beam((centre[0] + x, 0, centre[2] + z), (centre[0] + x, 0.8, centre[2] + z), 0.07), m.iron)
@@ -174,10 +170,7 @@ def _stations(half: float, radius: float) -> list[float]:
     """Distances along an oval: even on its straights, dense on its bends."""
     bend = np.pi * radius
     straight, arc = np.linspace(0, 2 * half, 7)[:-1], np.linspace(0, bend, 13)[:-1]
-    return [
-        float(v)
-        for v in (*straight, *(2 * half + arc), *(2 * half + bend + straight), *(4 * half + bend + arc))
-    ]
+    return [float(v) for v in (*straight, *(2 * half + arc), *(2 * half + bend + straight), *(4 * half + bend + arc))]
 
 
 def furnace(b: Builder, m: Stock) -> None:
@@ -193,15 +186,11 @@ def furnace(b: Builder, m: Stock) -> None:
     b.put(box((0.14, 0.2, 2.4), (-9.78, 2.0, 0)), m.iron)
     b.put(box((0.5, 0.1, 2.4), (-9.6, 0.5, 0)), m.tread)
     for y in (0.9, 2.4, 3.2):
-        b.put(
-            box((2.3, 0.12, 4.9), (-10.9, y, 0)) if y > 2 else box((0.06, 0.12, 1.2), (-9.78, y, 1.8)), m.iron
-        )
+        b.put(box((2.3, 0.12, 4.9), (-10.9, y, 0)) if y > 2 else box((0.06, 0.12, 1.2), (-9.78, y, 1.8)), m.iron)
     b.put(box((1.4, 4.6, 1.4), (-11.0, 5.7, 0)), m.brick)
     for y in (3.5, 4.5, 5.5, 6.5):
         b.put(box((1.48, 0.08, 1.48), (-11.0, y, 0)), m.iron)
-    door = join(
-        [box((0.08, 0.9, 2.0), (0, 0, 0)), *(box((0.12, 0.9, 0.08), (0, 0, z)) for z in (-0.8, 0, 0.8))]
-    )
+    door = join([box((0.08, 0.9, 2.0), (0, 0, 0)), *(box((0.12, 0.9, 0.08), (0, 0, z)) for z in (-0.8, 0, 0.8))])
     b.move([(door, m.red)], shuttle((-9.72, 2.2, 0), (-9.72, 2.55, 0), 0.2))
 
 

@@ -39,9 +39,7 @@ def gear(teeth: int, module: float, depth: float, spokes: int = 5) -> Shape:
     parts.append(disc(hub * 0.45, depth * 2.4, (0, 0, 0)))
     for i in range(6):
         a = np.pi / 3 * i
-        parts.append(
-            disc(hub * 0.09, depth * 1.7, (hub * 0.75 * np.cos(a), hub * 0.75 * np.sin(a), 0), segments=8)
-        )
+        parts.append(disc(hub * 0.09, depth * 1.7, (hub * 0.75 * np.cos(a), hub * 0.75 * np.sin(a), 0), segments=8))
     return join(parts)
 
 
@@ -52,9 +50,7 @@ def _rim(outer: Floats, inner: Floats, depth: float) -> list[Shape]:
     for z in (depth / 2, -depth / 2):
         rows = np.stack([a, b] if z < 0 else [a[::-1], b[::-1]])
         points = np.concatenate([rows, np.full((*rows.shape[:2], 1), z)], -1)
-        parts.append(
-            grid(points, np.broadcast_to([0.0, 0.0, np.sign(z)], points.shape), rows * [np.sign(z), -1])
-        )
+        parts.append(grid(points, np.broadcast_to([0.0, 0.0, np.sign(z)], points.shape), rows * [np.sign(z), -1]))
     return [*parts, _band(a, depth), _band(b[::-1], depth)]
 
 
@@ -89,9 +85,7 @@ def flange(radius: float, axis: str) -> Shape:
     parts = [disc(radius * 1.5, 0.09, (0, 0, 0), "z")]
     for i in range(8):
         a = np.pi / 4 * (i + 0.5)
-        parts.append(
-            disc(radius * 0.12, 0.15, (radius * 1.27 * np.cos(a), radius * 1.27 * np.sin(a), 0), "z", 6)
-        )
+        parts.append(disc(radius * 0.12, 0.15, (radius * 1.27 * np.cos(a), radius * 1.27 * np.sin(a), 0), "z", 6))
     shape = join(parts)
     if axis == "x":
         shape = shape.turn_y(90)

@@ -55,9 +55,7 @@ def _notices(builder: Builder) -> tuple[int, ...]:
 
 def _gauges(builder: Builder) -> tuple[int, ...]:
     units = ("bar", "kN", "rpm")
-    return tuple(
-        builder.material(Material(u, lettering.gauge(i, u), roughness=0.3)) for i, u in enumerate(units)
-    )
+    return tuple(builder.material(Material(u, lettering.gauge(i, u), roughness=0.3)) for i, u in enumerate(units))
 
 
 def stock(builder: Builder) -> Stock:

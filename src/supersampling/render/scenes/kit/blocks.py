@@ -37,9 +37,7 @@ _TRIANGLES = np.array([[0, 2, 3], [0, 3, 1]])
 _INDEX = {face: k for k, face in enumerate(ALL)}
 
 
-def box(
-    size: ArrayLike, centre: ArrayLike = (0, 0, 0), faces: Sequence[str] = ALL, fit: bool = False
-) -> Shape:
+def box(size: ArrayLike, centre: ArrayLike = (0, 0, 0), faces: Sequence[str] = ALL, fit: bool = False) -> Shape:
     """As `shapes.box`."""
     chosen = [_INDEX[f] for f in faces]
     count = len(chosen)

@@ -75,9 +75,7 @@ def newspaper(seed: int, size: int = 1024) -> Texture:
     draw.line((24, 138, size - 24, 138), ink, 4)
     draw.text((30, 144), f"No. {1000 + seed * 37}   {_prose(rng, 9)}", ink, font(20))
     draw.line((24, 174, size - 24, 174), ink, 2)
-    draw.text(
-        (size // 2, 184), _prose(rng, 3).upper().rstrip("."), ink, font(54, "DejaVuSans-Bold"), anchor="ma"
-    )
+    draw.text((size // 2, 184), _prose(rng, 3).upper().rstrip("."), ink, font(54, "DejaVuSans-Bold"), anchor="ma")
     width = (size - 60) // 4
     y, x = np.mgrid[:230, : 2 * width - 16]
     tone = fractal(1024, seed + 9, 1.4)[: y.shape[0], : y.shape[1]]
@@ -103,9 +101,7 @@ def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Tex
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:size, :size] - np.array([[[size * 0.42]], [[size * 0.5]]])
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    spokes = (np.sin(angle * (24 + 12 * (seed % 3)) + radius * 0.04 * (seed % 2)) > 0) ^ (
-        (radius // 22) % 2 > 0
-    )
+    spokes = (np.sin(angle * (24 + 12 * (seed % 3)) + radius * 0.04 * (seed % 2)) > 0) ^ ((radius // 22) % 2 > 0)
     chart = (spokes & (radius < size * 0.3))[..., None]
     image = Image.fromarray(np.where(chart, front, back).astype(np.uint8))
     draw = ImageDraw.Draw(image)
@@ -113,9 +109,7 @@ def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Tex
     draw.text((size // 2, 16), title, front, font(44, "DejaVuSans-Bold"), anchor="ma")
     at = int(size * 0.74)
     for points in (30, 22, 16, 12, 9):
-        draw.text(
-            (size // 2, at), _prose(rng, 3 + 66 // points), front, font(points, "DejaVuSans"), anchor="ma"
-        )
+        draw.text((size // 2, at), _prose(rng, 3 + 66 // points), front, font(points, "DejaVuSans"), anchor="ma")
         at += round(points * 1.35)
     return _aged(image, seed, 0.2)
 
@@ -149,9 +143,7 @@ def spines(seed: int, size: int = 1024, columns: int = 16, rows: int = 4) -> Tex
             draw.line((x, 0, x, width), ink, 2)
         title = _TITLES[int(rng.integers(len(_TITLES)))]
         points = min(30, int(30 * (height * 0.68) / font(30).getlength(title)))
-        draw.text(
-            (26, width // 2), title, ink, font(points, ("DejaVuSerif-Bold", "DejaVuSans")[k % 2]), anchor="lm"
-        )
+        draw.text((26, width // 2), title, ink, font(points, ("DejaVuSerif-Bold", "DejaVuSans")[k % 2]), anchor="lm")
         draw.text((height - 42, width // 2), str(k + 1), ink, font(16), anchor="lm")
         image.paste(book.rotate(-90, expand=True), ((k % columns) * width, (k // columns) * height))
     return _aged(image, seed, 0.35)
@@ -167,9 +159,7 @@ def banner(seed: int, back: Rgb, front: Rgb, word: str, width: int = 256, height
         draw.polygon([(width, y), (width - 16, y + 8), (width, y + 16)], front)
     step = (height - 260) // max(len(word), 1)
     for i, letter in enumerate(word):
-        draw.text(
-            (width // 2, 40 + i * step), letter, front, font(min(step, 130), "DejaVuSerif-Bold"), anchor="ma"
-        )
+        draw.text((width // 2, 40 + i * step), letter, front, font(min(step, 130), "DejaVuSerif-Bold"), anchor="ma")
     _fill(draw, (26, height - 200, width - 26, height - 20), _prose(rng, 80), 15, front, "DejaVuSans")
     y, x = np.mgrid[:height, :width]
     weave = 0.8 + 0.2 * ((x // 2 + y // 2) % 2)
@@ -191,9 +181,7 @@ def label_sheet(seed: int, size: int = 1024, cells: int = 4) -> Texture:
         ink = (20, 20, 20) if k % 4 < 2 else (245, 240, 230)
         draw.rectangle((34, 44, step - 34, step - 44), back)
         draw.text((42, 48), f"LOT {rng.integers(100, 999)}", ink, font(38, "DejaVuSans-Bold"))
-        draw.text(
-            (42, 94), ("FRAGILE", "THIS SIDE UP", "NO HOOKS", "KEEP DRY")[k // 4], ink, font(24, "DejaVuSans")
-        )
+        draw.text((42, 94), ("FRAGILE", "THIS SIDE UP", "NO HOOKS", "KEEP DRY")[k // 4], ink, font(24, "DejaVuSans"))
         _fill(draw, (42, 126, step - 40, step - 74), _prose(rng, 30), 12, ink, "DejaVuSansMono")
         x = 42
         while x < step - 50:

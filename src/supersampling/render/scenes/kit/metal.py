@@ -96,9 +96,7 @@ def concrete(size: int, seed: int) -> Maps:
     speck = fractal(size, seed + 4, 0.5)
     tone = np.clip(0.5 + 0.55 * (grain - 0.5) + 0.5 * (cloud - 0.5), 0, 1)
     color = ramp(tone, [(0.27, 0.26, 0.25), (0.52, 0.5, 0.47), (0.74, 0.71, 0.66)])
-    color = np.where(
-        (speck > 0.86)[..., None], color * 1.35, np.where((speck < 0.12)[..., None], color * 0.6, color)
-    )
+    color = np.where((speck > 0.86)[..., None], color * 1.35, np.where((speck < 0.12)[..., None], color * 0.6, color))
     stain = np.clip((oil - 0.68) * 5, 0, 1)
     color = np.where((cracks | joint)[..., None], color * 0.3, color * (1 - 0.55 * stain[..., None]))
     return picture(color), normals(0.25 * grain - 0.7 * (cracks | joint), 4.0), surface(0.85 - 0.55 * stain)

@@ -38,9 +38,7 @@ def sway(pivot: ArrayLike, axis: ArrayLike, degrees: float, hertz: float, phase:
     place, amplitude = translation(pivot), np.radians(degrees)
 
     def at(seconds: float) -> Array:
-        return (place @ rotation(axis, amplitude * np.sin(2 * np.pi * hertz * seconds + phase))).astype(
-            np.float32
-        )
+        return (place @ rotation(axis, amplitude * np.sin(2 * np.pi * hertz * seconds + phase))).astype(np.float32)
 
     return at
 

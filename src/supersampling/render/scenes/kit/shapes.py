@@ -58,9 +58,7 @@ def grid(points: Floats, normals: Floats, uv: Floats) -> Shape:
     rows, columns = points.shape[:2]
     at = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
-    triangles = np.concatenate(
-        [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
-    )
+    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
     flat = points.reshape(-1, 3)
     p, q, r = (flat[triangles[:, i]] for i in range(3))
     area = np.linalg.norm(np.cross(q - p, r - p), axis=1)
@@ -95,9 +93,7 @@ _FACES = {
 ALL = tuple(_FACES)
 
 
-def box(
-    size: ArrayLike, centre: ArrayLike = (0, 0, 0), faces: Sequence[str] = ALL, fit: bool = False
-) -> Shape:
+def box(size: ArrayLike, centre: ArrayLike = (0, 0, 0), faces: Sequence[str] = ALL, fit: bool = False) -> Shape:
     """Box with metric uv, or with every face's uv from 0 to 1 (``fit``). ``front`` looks along +z, ``right`` along +x."""
     extent, middle = np.asarray(size, float), np.asarray(centre, float)
     sides = []
@@ -150,9 +146,7 @@ def lathe(profile: ArrayLike, segments: int = 24, flutes: int = 0, depth: float 
             if 0 <= other < len(step) and flat[i] @ flat[other] > 0.766:
                 normal += flat[other]
             pair.append((points[j], normal / np.linalg.norm(normal), travelled[j]))
-        groove = (
-            depth * (0.5 - 0.5 * np.cos(flutes * angle)) if abs(step[i, 0]) < 0.2 * length[i] else 0 * angle
-        )
+        groove = depth * (0.5 - 0.5 * np.cos(flutes * angle)) if abs(step[i, 0]) < 0.2 * length[i] else 0 * angle
         slope = np.gradient(groove, angle) if groove.any() else groove
         rows, normals, uv = [], [], []
         for point, normal, v in pair:
@@ -227,8 +221,6 @@ def _wall(line: Floats, half: float) -> Shape:
     for p, q in pairwise(line):
         if np.linalg.norm(q - p) > 1e-6:
             sides.append(
-                quad((*p, -half), (0, 0, 2 * half), (*(q - p), 0)).map_uv(
-                    (2 * half, float(np.linalg.norm(q - p)))
-                )
+                quad((*p, -half), (0, 0, 2 * half), (*(q - p), 0)).map_uv((2 * half, float(np.linalg.norm(q - p))))
             )
     return join(sides)

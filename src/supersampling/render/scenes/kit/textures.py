@@ -51,9 +51,7 @@ def normals(height: Field, strength: float) -> Texture:
 
 def surface(roughness: ArrayLike, metallic: ArrayLike = 0.0, emission: ArrayLike = 1.0) -> Texture:
     """Surface map (R roughness, G metallic, B emission mask) of fields or constants."""
-    return picture(
-        np.stack(np.broadcast_arrays(*(np.asarray(v, float) for v in (roughness, metallic, emission))), -1)
-    )
+    return picture(np.stack(np.broadcast_arrays(*(np.asarray(v, float) for v in (roughness, metallic, emission))), -1))
 
 
 @cache
@@ -100,9 +98,7 @@ def bricks(
         fractal(size, seed + 3, 1.1),
         fractal(size, seed + 4, 0.8),
     )
-    body = ramp(np.clip(value * 0.8 + 0.35 * (stain - 0.5) + 0.1, 0, 1), stops) * (
-        0.62 + 0.75 * grain[..., None]
-    )
+    body = ramp(np.clip(value * 0.8 + 0.35 * (stain - 0.5) + 0.1, 0, 1), stops) * (0.62 + 0.75 * grain[..., None])
     body *= np.where(pits > 0.84, 0.62, 1.0)[..., None]
     mortar = np.array([0.72, 0.69, 0.63]) * (0.65 + 0.6 * grain[..., None])
     albedo = picture(inside[..., None] * body + (1 - inside[..., None]) * mortar)
@@ -147,17 +143,13 @@ def cobbles(size: int, seed: int) -> tuple[Texture, Texture, Texture]:
     )
 
 
-def stone(
-    size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4
-) -> tuple[Texture, Texture, Texture]:
+def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4) -> tuple[Texture, Texture, Texture]:
     """Ashlar blocks with pits and chisel marks: albedo, normal, surface."""
     inside, value, height = masonry(size, rows, max(rows // 2, 1), 0.006, seed)
     grain, cloud = fractal(size, seed + 1, 0.35), fractal(size, seed + 2, 1.2)
     chisel = fractal(size, seed + 3, 0.5, (1.0, 6.0))
     pits = fractal(size, seed + 4, 0.7) > 0.86
-    body = ramp(np.clip(0.25 * value + 0.55 * cloud + 0.35 * grain, 0, 1), stops) * (
-        0.8 + 0.35 * chisel[..., None]
-    )
+    body = ramp(np.clip(0.25 * value + 0.55 * cloud + 0.35 * grain, 0, 1), stops) * (0.8 + 0.35 * chisel[..., None])
     body = np.where(pits[..., None], body * 0.55, body)
     albedo = picture(body * (0.45 + 0.55 * inside[..., None]))
     return (
@@ -167,9 +159,7 @@ def stone(
     )
 
 
-def wood(
-    size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6
-) -> tuple[Texture, Texture, Texture]:
+def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6) -> tuple[Texture, Texture, Texture]:
     """Planks along v with grain: albedo, normal, surface."""
     x = np.mgrid[:size, :size][1] / size * planks
     value = np.random.default_rng(seed).random(planks)[np.floor(x).astype(int) % planks]
@@ -191,9 +181,7 @@ def rough(
     return picture(ramp(tone, stops)), normals(field, 5.0), surface(0.75 + 0.2 * field)
 
 
-def lattice(
-    size: int, cells: int, bar: float, color: Sequence[float], seed: int, slant: bool = False
-) -> Texture:
+def lattice(size: int, cells: int, bar: float, color: Sequence[float], seed: int, slant: bool = False) -> Texture:
     """Woven bars with holes, RGBA: alpha is the metal; ``slant`` turns the weave by 45 degrees; ``bar`` is a share of a cell."""
     y, x = np.mgrid[:size, :size] / size * cells
     if slant:
@@ -202,9 +190,7 @@ def lattice(
     solid = np.maximum(bar / 2 - across, bar / 2 - along) * size / cells
     light = 1 - 1.2 * np.minimum(across, along) / bar
     tone = light * (0.6 + 0.7 * fractal(size, seed, 0.6))
-    return picture(
-        np.concatenate([np.array(color) * tone[..., None], np.clip(solid + 0.5, 0, 1)[..., None]], -1)
-    )
+    return picture(np.concatenate([np.array(color) * tone[..., None], np.clip(solid + 0.5, 0, 1)[..., None]], -1))
 
 
 def foliage(size: int, seed: int, count: int, stops: Sequence[Sequence[float]]) -> Texture:

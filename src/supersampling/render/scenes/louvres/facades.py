@@ -42,12 +42,8 @@ def pavilion(b: Builder, p: Palette) -> None:
                 low = parts.fins(3.68, FLOOR - 0.38, 0.092, 0.026, 0.045, 24)
                 b.put(low.shift(x + shift, 0.12, z), wood)
         color = (p.white, p.dark, p.sage, p.white)[k % 4]
-        b.put(
-            parts.slats(3.74, 2.1, (0.06, 0.052)[k // 2 % 2], 0.01, 0.05, 32).shift(x, FLOOR + 0.95, z), color
-        )
-        b.put(
-            box((3.74, 0.9, 0.06), (x, FLOOR + 0.45, z - 0.1), ("front", "top")), (p.mosaic, p.chess)[k % 2]
-        )
+        b.put(parts.slats(3.74, 2.1, (0.06, 0.052)[k // 2 % 2], 0.01, 0.05, 32).shift(x, FLOOR + 0.95, z), color)
+        b.put(box((3.74, 0.9, 0.06), (x, FLOOR + 0.45, z - 0.1), ("front", "top")), (p.mosaic, p.chess)[k % 2])
         for dx in (-1.25, 0.0, 1.25):
             b.put(box((0.05, 2.2, 0.03), (x + dx, FLOOR + 2.0, z - 0.07)), p.dark)
     b.put(parts.railing(2 * HALF_X, 1.0, 0.06).shift(0, FLOOR, z + 0.95), p.dark)
@@ -107,14 +103,10 @@ def _upper_floor(p: Palette, k: int, x: float) -> list[tuple[Shape, int]]:
                 )
             )
             for side in (-1, 1):
-                leaf = parts.slats(0.44, 1.66, 0.038, 0.008, 0.032, 35).shift(
-                    x + dx + side * 0.75, y + 0.02, 0.05
-                )
+                leaf = parts.slats(0.44, 1.66, 0.038, 0.008, 0.032, 35).shift(x + dx + side * 0.75, y + 0.02, 0.05)
                 found.append((leaf, (p.sage, p.blue, p.rust)[k // 2 % 3]))
                 for edge in (-0.23, 0.23):
-                    found.append(
-                        (box((0.03, 1.74, 0.05), (x + dx + side * 0.75 + edge, y + 0.85, 0.05)), p.white)
-                    )
+                    found.append((box((0.03, 1.74, 0.05), (x + dx + side * 0.75 + edge, y + 0.85, 0.05)), p.white))
         found.append((parts.railing(2.6, 0.8, 0.055, 0.006).shift(x, FLOOR + 0.16, 0.62), p.dark))
         found.append((box((2.8, 0.1, 0.7), (x, FLOOR + 0.11, 0.35)), p.white))
     else:

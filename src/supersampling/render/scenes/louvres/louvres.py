@@ -33,9 +33,7 @@ def _routes() -> list[Route]:
         ("trellis", [(-11.6, 1.6, 3.4), (-11.8, 1.6, -3.6)], [(-15.4, 2.2, 2.2), (-15.4, 2.4, -1.4)]),
         ("past the cage", [(-1.0, 1.6, -2.7), (-11.0, 1.6, -2.7)], [(-4.6, 1.6, 0.4), (-9.2, 1.5, 1.4)]),
     )
-    walks = [
-        Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines
-    ]
+    walks = [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
     return [*walks, *(_standing(*each) for each in _TRIPODS)]
 
 

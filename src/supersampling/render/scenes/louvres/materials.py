@@ -51,12 +51,8 @@ class Palette:
             tex.pavers(512, 12, 6, [(0.2, 0.2, 0.21), (0.32, 0.31, 0.31), (0.42, 0.4, 0.39)], 13),
             1.2,
         )
-        self.mosaic = self._maps(
-            "mosaic", tex.mosaic(512, 16, [(0.86, 0.84, 0.78), (0.16, 0.36, 0.44)], 14), 0.72
-        )
-        self.chess = self._maps(
-            "red mosaic", tex.mosaic(512, 16, [(0.9, 0.86, 0.78), (0.62, 0.22, 0.16)], 15), 0.72
-        )
+        self.mosaic = self._maps("mosaic", tex.mosaic(512, 16, [(0.86, 0.84, 0.78), (0.16, 0.36, 0.44)], 14), 0.72)
+        self.chess = self._maps("red mosaic", tex.mosaic(512, 16, [(0.9, 0.86, 0.78), (0.62, 0.22, 0.16)], 15), 0.72)
         self.hedge = self._maps("hedge", tex.hedge(512, 16), 1.0)
         cloths = (
             ("awning red", tex.stripes(512, 4, (RED, CREAM), 20), 0.28),

@@ -148,8 +148,7 @@ def deck_chair() -> tuple[Shape, Shape]:
     bars = [beam((s * 0.28, 0, 0.42), (s * 0.28, 1.0, -0.43), 0.032) for s in (-1, 1)]
     bars += [beam((s * 0.315, 0, -0.4), (s * 0.315, 0.44, 0.52), 0.032) for s in (-1, 1)]
     bars += [
-        beam((-0.32, y, z), (0.32, y, z), 0.03)
-        for y, z in ((0.98, -0.43), (0.42, 0.51), (0.03, -0.38), (0.03, 0.4))
+        beam((-0.32, y, z), (0.32, y, z), 0.03) for y, z in ((0.98, -0.43), (0.42, 0.51), (0.03, -0.38), (0.03, 0.4))
     ]
     return cloth, join(bars)
 
@@ -165,9 +164,7 @@ def bench(width: float) -> tuple[Shape, Shape]:
 
 def planter(size: float) -> tuple[Shape, Shape]:
     """Box of battens with a ball of box tree in it."""
-    sides = join(
-        [fins(size, 0.55, 0.05, 0.035, 0.02).shift(0, 0.03, size / 2).turn_y(90 * k) for k in range(4)]
-    )
+    sides = join([fins(size, 0.55, 0.05, 0.035, 0.02).shift(0, 0.03, size / 2).turn_y(90 * k) for k in range(4)])
     core = box((size - 0.03, 0.5, size - 0.03), (0, 0.3, 0), ("front", "back", "left", "right", "top"))
     ball = sphere(size * 0.62, 18).shift(0, 0.55 + size * 0.5, 0)
     return join([sides, core]), ball
@@ -197,8 +194,6 @@ def hanging_blind(width: float, height: float, pitch: float) -> tuple[Shape, Sha
     """Blind of thin slats that hangs from the origin; its cords and top rail."""
     cords = [beam((x, 0, 0), (x, -height, 0), 0.008) for x in (-width * 0.36, 0.0, width * 0.36)]
     rails = [box((width + 0.06, 0.05, 0.05), (0, -0.02, 0)), box((width, 0.03, 0.03), (0, -height, 0))]
-    blade = box((width, 0.006, 0.036), faces=("front", "back", "top", "bottom")).at(
-        rotation((1, 0, 0), np.radians(28))
-    )
+    blade = box((width, 0.006, 0.036), faces=("front", "back", "top", "bottom")).at(rotation((1, 0, 0), np.radians(28)))
     blades = copies(blade, _placed(0, _steps(height - 0.1, pitch) - height / 2, 0))
     return blades, join([*cords, *rails])

@@ -44,9 +44,7 @@ def pergola(b: Builder, p: Palette) -> None:
 def furniture(b: Builder, p: Palette) -> None:
     """Deck chairs, benches, planters, bicycle racks and tables with cloths along both sides."""
     cloth, wood = parts.deck_chair()
-    for k, (x, z) in enumerate(
-        ((-7.2, -1.0), (-7.0, 0.9), (-2.4, 1.3), (-2.2, -1.2), (1.9, 1.1), (2.0, -1.0))
-    ):
+    for k, (x, z) in enumerate(((-7.2, -1.0), (-7.0, 0.9), (-2.4, 1.3), (-2.2, -1.2), (1.9, 1.1), (2.0, -1.0))):
         turn = 90 + 17 * (k % 3) if x < -4 else -70 - 15 * (k % 3)
         b.put(cloth.turn_y(turn).shift(x, 0, z), p.deck[k % 2])
         b.put(wood.turn_y(turn).shift(x, 0, z), p.ash)

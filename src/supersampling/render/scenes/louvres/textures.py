@@ -31,9 +31,7 @@ def gingham(size: int, count: int, colors: Sequence[Color], seed: int) -> Textur
     """Check of ``count`` periods a side: two crossing sets of stripes, their crossings full in colour."""
     y, x = np.mgrid[:size, :size] / size * count
     amount = 0.5 * ((x % 1 < 0.5).astype(float) + (y % 1 < 0.5))
-    return _woven(
-        amount[..., None] * np.array(colors[0]) + (1 - amount[..., None]) * np.array(colors[1]), seed
-    )
+    return _woven(amount[..., None] * np.array(colors[0]) + (1 - amount[..., None]) * np.array(colors[1]), seed)
 
 
 def mosaic(size: int, cells: int, colors: Sequence[Color], seed: int) -> Maps:
@@ -50,9 +48,7 @@ def pavers(size: int, rows: int, columns: int, stops: Sequence[Color], seed: int
     """Concrete pavers in running bond."""
     inside, value, height = masonry(size, rows, columns, 0.004, seed)
     grain, cloud = fractal(size, seed + 2, 0.3), fractal(size, seed + 3, 1.2)
-    body = ramp(np.clip(0.5 * value + 0.3 * cloud + 0.2 * grain, 0, 1), stops) * (
-        0.8 + 0.35 * grain[..., None]
-    )
+    body = ramp(np.clip(0.5 * value + 0.3 * cloud + 0.2 * grain, 0, 1), stops) * (0.8 + 0.35 * grain[..., None])
     color = inside[..., None] * body + (1 - inside[..., None]) * 0.2
     return picture(color), normals(height + 0.15 * grain, 4.0), surface(0.75 + 0.2 * grain)
 

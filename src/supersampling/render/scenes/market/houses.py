@@ -74,10 +74,7 @@ def _window() -> tuple[Shape, Shape, Shape, Shape, Shape]:
     shutters = [shutter.shift(side * (w * 0.75 + 0.07), 0, 0) for side in (-1, 1)]
     trim = [box((w + 0.3, 0.1, 0.2), (0, -0.05, 0.06)), box((w + 0.24, 0.2, 0.08), (0, h + 0.1, 0.03))]
     trim += [box((0.2, 0.26, 0.12), (0, h + 0.12, 0.05))]
-    trim += [
-        box((0.1, h, 0.05), (side * (w / 2 + 0.03), h / 2, 0.0), ("front", "left", "right"))
-        for side in (-1, 1)
-    ]
+    trim += [box((0.1, h, 0.05), (side * (w / 2 + 0.03), h / 2, 0.0), ("front", "left", "right")) for side in (-1, 1)]
     pane = quad((-w / 2, h, -0.16), (w, 0, 0), (0, -h, 0))
     return recess(w, h, 0.2).shift(-w / 2, 0, 0), join(bars), pane, join(shutters), join(trim)
 
@@ -115,9 +112,7 @@ def _roof(site: Site, p: Palette, house: House) -> None:
     site.put(box((w, 0.16, 0.34), (w / 2, h - 0.02, 0.17)), p.stone, _TRIM)
     site.put(box((w, 0.12, 0.2), (w / 2, h - 0.16, 0.1)), p.stone, _TRIM)
     site.put(tube([(0.02, h - 0.05, 0.5), (w - 0.02, h - 0.05, 0.5)], 0.07, 8), p.iron)
-    site.put(
-        tube([(w - 0.12, h - 0.05, 0.46), (w - 0.12, h - 0.5, 0.1), (w - 0.12, 0.0, 0.1)], 0.045, 8), p.iron
-    )
+    site.put(tube([(w - 0.12, h - 0.05, 0.46), (w - 0.12, h - 0.5, 0.1), (w - 0.12, 0.0, 0.1)], 0.045, 8), p.iron)
     site.put(box((0.7, 2.2, 0.7), (w * 0.3, h + rise, middle + 0.5)), p.brick)
     for offset in (-0.18, 0.18):
         site.put(cylinder(0.12, 0.4, 10).shift(w * 0.3 + offset, h + rise + 1.28, middle + 0.5), p.roof)
@@ -197,9 +192,7 @@ def build(site: Site, p: Palette, house: House) -> None:
     wall = p.brick if house.brick else p.plaster
     pitch = w / house.columns
     windows = [
-        (pitch * (c + 0.5), SHOP + 0.65 + STOREY * s)
-        for s in range(house.storeys)
-        for c in range(house.columns)
+        (pitch * (c + 0.5), SHOP + 0.65 + STOREY * s) for s in range(house.storeys) for c in range(house.columns)
     ]
     holes = [(x - PANE[0] / 2, x + PANE[0] / 2, y, y + PANE[1]) for x, y in windows]
     site.put(pierced(w, h, [*holes, (0.55, w - 0.55, 0.0, 2.9)]), wall, house.tint)
@@ -223,9 +216,7 @@ def build(site: Site, p: Palette, house: House) -> None:
         for j in range(int(h / 0.36)):
             wide = 0.46 if j % 2 else 0.32
             site.put(
-                box(
-                    (wide, 0.33, 0.07), (x, 0.2 + 0.36 * j, 0.02), ("front", "left", "right", "top", "bottom")
-                ),
+                box((wide, 0.33, 0.07), (x, 0.2 + 0.36 * j, 0.02), ("front", "left", "right", "top", "bottom")),
                 p.stone,
                 _TRIM,
             )
@@ -239,10 +230,6 @@ def flower_box(site: Site, p: Palette, at: tuple[float, float], seed: int) -> No
     rng = np.random.default_rng(seed)
     for k in range(9):
         size = rng.uniform(0.3, 0.42)
-        card = quad((-size / 2, size, 0), (size, 0, 0), (0, -size, 0.12)).map_uv(
-            (0.6, 0.6), (k * 0.13, k * 0.21)
-        )
+        card = quad((-size / 2, size, 0), (size, 0, 0), (0, -size, 0.12)).map_uv((0.6, 0.6), (k * 0.13, k * 0.21))
         card = card.turn_y(float(rng.uniform(-70, 70)))
-        site.put(
-            card.shift(at[0] - 0.42 + 0.105 * k, at[1] - 0.12 + float(rng.uniform(0, 0.16)), 0.3), p.flowers
-        )
+        site.put(card.shift(at[0] - 0.42 + 0.105 * k, at[1] - 0.12 + float(rng.uniform(0, 0.16)), 0.3), p.flowers)

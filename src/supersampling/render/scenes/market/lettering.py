@@ -53,9 +53,7 @@ def fitted(
     draw.text(at, text, ink, font(max(points, 6), face), anchor="mm")
 
 
-def fascia(
-    seed: int, name: str, trade: str, back: Rgb, ink: Rgb, size: tuple[int, int] = (1024, 160)
-) -> Texture:
+def fascia(seed: int, name: str, trade: str, back: Rgb, ink: Rgb, size: tuple[int, int] = (1024, 160)) -> Texture:
     """The board above a shop: its name, its trade to both sides, a double rule."""
     width, height = size
     image = Image.new("RGB", size, back)
@@ -120,9 +118,7 @@ def price_tags(seed: int, columns: int = 8, rows: int = 8, cell: tuple[int, int]
         fitted(draw, (middle, y + 20), GOODS[k % len(GOODS)], ink, (cell[0] - 20, 22), "DejaVuSans-Bold")
         price = f"{rng.integers(1, 9)}.{rng.integers(10) * 5 + 45}"
         draw.text((middle, y + 52), price, ink, font(36, "DejaVuSans-Bold"), anchor="mm")
-        draw.text(
-            (middle, y + 80), ("the pound", "each", "the dozen", "a bunch")[k % 4], ink, font(13), anchor="mm"
-        )
+        draw.text((middle, y + 80), ("the pound", "each", "the dozen", "a bunch")[k % 4], ink, font(13), anchor="mm")
     return aged(image, seed, 0.15)
 
 
@@ -139,9 +135,7 @@ def slate(seed: int, head: str, size: tuple[int, int] = (384, 576)) -> Texture:
         y = 88 + 32 * k
         ink = yellow if k % 5 == 2 else chalk
         draw.text((26, y), GOODS[good], ink, font(24, "DejaVuSans"))
-        draw.text(
-            (width - 26, y), f"{rng.integers(1, 20)}.{rng.integers(100):02d}", ink, font(24), anchor="ra"
-        )
+        draw.text((width - 26, y), f"{rng.integers(1, 20)}.{rng.integers(100):02d}", ink, font(24), anchor="ra")
         for x in range(int(40 + font(24, "DejaVuSans").getlength(GOODS[good])), width - 96, 9):
             draw.point([(x, y + 22), (x + 1, y + 22)], ink)
     for row in range(3):
@@ -208,16 +202,10 @@ def sacking(seed: int, size: int = 512) -> tuple[Texture, Field]:
     ink = (58, 66, 110)
     for k, (x, y) in enumerate(((128, 128), (384, 128), (128, 384), (384, 384))):
         draw.ellipse((x - 100, y - 92, x + 100, y + 92), outline=ink, width=5)
-        draw.text(
-            (x, y - 50), ("MILL", "FARM", "PORT", "YARD")[k], ink, font(38, "DejaVuSans-Bold"), anchor="mm"
-        )
-        draw.text(
-            (x, y), GOODS[int(rng.integers(20, 30))].upper(), ink, font(30, "DejaVuSerif-Bold"), anchor="mm"
-        )
+        draw.text((x, y - 50), ("MILL", "FARM", "PORT", "YARD")[k], ink, font(38, "DejaVuSans-Bold"), anchor="mm")
+        draw.text((x, y), GOODS[int(rng.integers(20, 30))].upper(), ink, font(30, "DejaVuSerif-Bold"), anchor="mm")
         draw.text((x, y + 34), f"{rng.integers(20, 90)} LB NET", ink, font(19, "DejaVuSans"), anchor="mm")
-        draw.text(
-            (x, y + 60), f"LOT {rng.integers(1000, 9999)}", ink, font(14, "DejaVuSansMono"), anchor="mm"
-        )
+        draw.text((x, y + 60), f"LOT {rng.integers(1000, 9999)}", ink, font(14, "DejaVuSansMono"), anchor="mm")
     y, x = np.mgrid[:size, :size]
     weave = 0.5 + 0.25 * np.sin(np.pi * x / 2) * np.where(y // 4 % 2, 1, -1) + 0.25 * np.sin(np.pi * y / 2)
     cloth = aged(image, seed, 0.35) / 255 * (0.72 + 0.35 * weave[..., None])

@@ -80,9 +80,7 @@ def _west(b: Builder, p: Palette) -> None:
         b.put(box((0.8, 3.2, 0.8), (-X - 0.2, 1.6, z)), p.stone)
         b.put(box((1.0, 0.2, 1.0), (-X - 0.2, 3.3, z)), p.stone)
         b.put(
-            lathe([(0, 0.62), (0.2, 0.55), (0.28, 0.34), (0.2, 0.12), (0.12, 0.0)], 16).shift(
-                -X - 0.2, 3.4, z
-            ),
+            lathe([(0, 0.62), (0.2, 0.55), (0.28, 0.34), (0.2, 0.12), (0.12, 0.0)], 16).shift(-X - 0.2, 3.4, z),
             p.stone,
         )
     tints, shutters = (_CREAM, _GREY, _ROSE, _OCHRE), (_RED, _GREEN, _BLUE)
@@ -150,9 +148,7 @@ def _ivy(b: Builder, p: Palette) -> None:
         card = quad((-size / 2, size / 2, 0), (size, 0, 0), (0, -size, 0.1)).map_uv(
             (1.0, 1.0), (k * 0.37 % 1, k * 0.23 % 1)
         )
-        cards.append(
-            card.turn_y(float(rng.uniform(-30, 30))).shift(x, min(y, 7.0), -Z + 0.14 + 0.1 * rng.random())
-        )
+        cards.append(card.turn_y(float(rng.uniform(-30, 30))).shift(x, min(y, 7.0), -Z + 0.14 + 0.1 * rng.random()))
     b.put(Shape.shift(join(cards), 1.2, 0, 0), p.ivy)
 
 
@@ -177,9 +173,7 @@ def _routes() -> list[Route]:
             [(9.0, 2.0, 2.0), (4.0, 2.2, -4.0), (2.0, 2.0, -4.6)],
         ),
     )
-    return [
-        Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines
-    ]
+    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
 
 
 def market() -> Scene:
@@ -194,9 +188,7 @@ def market() -> Scene:
     _town_hall(b, p)
     _stalls(b, p)
     _ivy(b, p)
-    movers(
-        b, p, (((-7.0, 4.9, -Z), 0), ((7.0 + 1.0, 4.9, -Z), 0), ((7.6, 4.6, Z), 180), ((X, 4.9, 4.0), -90))
-    )
+    movers(b, p, (((-7.0, 4.9, -Z), 0), ((7.0 + 1.0, 4.9, -Z), 0), ((7.6, 4.6, Z), 180), ((X, 4.9, 4.0), -90)))
     meshes, objects = b.build()
     return Scene(
         "market",

@@ -91,45 +91,31 @@ class Palette:
     def _print(self) -> None:
         """Everything to be read."""
         self.papers = [self._flat(f"newspaper {k}", lettering.newspaper(k), 0.7) for k in (0, 2)]
-        self.bills = [
-            self._flat(f"bill {k}", market_lettering.bill(k, *bill), 0.8) for k, bill in enumerate(BILLS)
-        ]
-        self.notice = self._flat(
-            "by-laws", lettering.notice(5, "MARKET RULES", (236, 230, 212), (30, 40, 70)), 0.75
-        )
+        self.bills = [self._flat(f"bill {k}", market_lettering.bill(k, *bill), 0.8) for k, bill in enumerate(BILLS)]
+        self.notice = self._flat("by-laws", lettering.notice(5, "MARKET RULES", (236, 230, 212), (30, 40, 70)), 0.75)
         self.spines = self._flat("book spines", lettering.spines(3))
         self.covers = self._flat("book covers", market_lettering.covers(4))
         self.crates = self._flat("crate labels", lettering.label_sheet(6))
         self.tags = self._flat("price tags", market_lettering.price_tags(7))
         heads = ("TODAY", "LUNCH 12 - 3", "FRUIT & NUTS")
-        self.slates = [
-            self._flat(f"slate {k}", market_lettering.slate(20 + k, h)) for k, h in enumerate(heads)
-        ]
+        self.slates = [self._flat(f"slate {k}", market_lettering.slate(20 + k, h)) for k, h in enumerate(heads)]
         self.boards = [self._flat(f"shop {k}", market_lettering.fascia(k, *s)) for k, s in enumerate(SHOPS)]
         looks = (((52, 30, 22), (236, 206, 130)), ((28, 54, 70), (236, 226, 196)))
         self.signs = [
-            self._flat(f"sign {k}", market_lettering.hanging_sign(k, w, *looks[k % 2]))
-            for k, w in enumerate(WORDS)
+            self._flat(f"sign {k}", market_lettering.hanging_sign(k, w, *looks[k % 2])) for k, w in enumerate(WORDS)
         ]
-        self.frieze = self._maps(
-            "frieze", _roman("MERCATUS  .  TOWN HALL AND CORN EXCHANGE  .  ANNO 1687", 30), 1.0
-        )
+        self.frieze = self._maps("frieze", _roman("MERCATUS  .  TOWN HALL AND CORN EXCHANGE  .  ANNO 1687", 30), 1.0)
         self.plinth = self._maps("plinth", _roman("TO THE BUILDERS OF THE BRIDGE", 31), 1.0)
         self.clock = self._flat("clock", clock_face(512), 0.7)
 
     def _cloth(self) -> None:
         """Canvas, sacking, banners and bunting, seen from both sides."""
-        self.awnings = [
-            self._cut(f"canvas {k}", market_textures.awning(256, 40 + k, c)) for k, c in enumerate(CLOTHS)
-        ]
+        self.awnings = [self._cut(f"canvas {k}", market_textures.awning(256, 40 + k, c)) for k, c in enumerate(CLOTHS)]
         sack, weave = market_lettering.sacking(45)
-        self.sack = self._maps(
-            "sacking", (sack, textures.normals(weave, 1.5), surface(np.full((8, 8), 0.9))), 1.0
-        )
+        self.sack = self._maps("sacking", (sack, textures.normals(weave, 1.5), surface(np.full((8, 8), 0.9))), 1.0)
         looks = (((130, 28, 34), (240, 214, 140)), ((26, 54, 96), (236, 228, 206)))
         self.banners = [
-            self._cut(f"banner {w}", lettering.banner(50 + k, *looks[k], w))
-            for k, w in enumerate(("MARKET", "BRIDGE"))
+            self._cut(f"banner {w}", lettering.banner(50 + k, *looks[k], w)) for k, w in enumerate(("MARKET", "BRIDGE"))
         ]
         self.bunting = self._cut("bunting", _pennant_sheet())
 
@@ -140,22 +126,17 @@ class Palette:
         self.flowers = self._cut("geraniums", textures.foliage(256, 62, 60, _BLOOM))
         kinds = (_APPLE, _ORANGE, _PLUM)
         self.fruit = [
-            self._maps(f"fruit {k}", market_textures.fruit(256, 63 + k, 330, s), 1.0)
-            for k, s in enumerate(kinds)
+            self._maps(f"fruit {k}", market_textures.fruit(256, 63 + k, 330, s), 1.0) for k, s in enumerate(kinds)
         ]
 
     def _maps(self, name: str, maps: Maps, tile: float) -> int:
         """Dielectric, with roughness raised: nothing on the market shines."""
         albedo, normal, rough = maps
         matte = np.maximum(rough[::2, ::2], np.array((160, 0, 255), np.uint8)) * np.array((1, 0, 1), np.uint8)
-        return self._builder.material(
-            Material(name, albedo, normal, matte, roughness=1.0, metallic=0.0), tile
-        )
+        return self._builder.material(Material(name, albedo, normal, matte, roughness=1.0, metallic=0.0), tile)
 
     def _flat(self, name: str, albedo: Texture, bright: float = 1.0) -> int:
-        return self._builder.material(
-            Material(name, albedo, base_color=(bright, bright, bright), roughness=0.85)
-        )
+        return self._builder.material(Material(name, albedo, base_color=(bright, bright, bright), roughness=0.85))
 
     def _cut(self, name: str, albedo: Texture) -> int:
         """Thin things: leaves with holes between them, and cloth."""

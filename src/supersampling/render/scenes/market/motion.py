@@ -101,10 +101,7 @@ def cart(b: Builder, p: Palette) -> None:
         ((-0.2, 0.65, -0.5), (0.22, 0.65, -0.45), (-0.18, 0.65, 0.05), (0.2, 0.65, 0.5), (0.0, 1.03, -0.4))
     ):
         load.append(
-            box((0.4, 0.38, 0.4), (0, 0.19, 0), fit=True)
-            .map_uv(*cell(4, 4, 3 * k))
-            .turn_y(9 * k - 12)
-            .shift(x, y, z)
+            box((0.4, 0.38, 0.4), (0, 0.19, 0), fit=True).map_uv(*cell(4, 4, 3 * k)).turn_y(9 * k - 12).shift(x, y, z)
         )
     ride = shuttle((LANE, 0, -REACH), (LANE, 0, REACH), HERTZ)
     b.move([(join(sides), p.wood), (join(load), p.crates)], ride)

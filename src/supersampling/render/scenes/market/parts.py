@@ -27,13 +27,9 @@ def frustum(bottom: float, top: float, low: float, high: float) -> Shape:
     """Four sides of a square tapering block; half widths below and above."""
     side = []
     for turn in range(4):
-        rows = np.array(
-            [[(-top, high, top), (top, high, top)], [(-bottom, low, bottom), (bottom, low, bottom)]]
-        )
+        rows = np.array([[(-top, high, top), (top, high, top)], [(-bottom, low, bottom), (bottom, low, bottom)]])
         normal = np.array([0.0, bottom - top, high - low]) / np.hypot(bottom - top, high - low)
-        side.append(
-            grid(rows, np.broadcast_to(normal, rows.shape), rows[..., :2] * [1, -1]).turn_y(90 * turn)
-        )
+        side.append(grid(rows, np.broadcast_to(normal, rows.shape), rows[..., :2] * [1, -1]).turn_y(90 * turn))
     return join(side)
 
 
@@ -42,9 +38,7 @@ def crates(site: Site, p: Palette, at: tuple[float, float], seed: int, high: int
     y = 0.0
     for k in range(high):
         size = (0.46, 0.4, 0.36)[(seed + k) % 3]
-        crate = box((size, size * 0.86, size), (0, size * 0.43, 0), fit=True).map_uv(
-            *cell(4, 4, seed * 5 + 3 * k)
-        )
+        crate = box((size, size * 0.86, size), (0, size * 0.43, 0), fit=True).map_uv(*cell(4, 4, seed * 5 + 3 * k))
         site.put(crate.turn_y(23 * (seed + k) % 31 - 15).shift(at[0], y, at[1]), p.crates)
         y += size * 0.86
 
@@ -57,10 +51,7 @@ def column(site: Site, p: Palette) -> None:
         for k in range(6):
             angle = np.linspace(0, 0.98 * np.pi / 3, 7) + k * np.pi / 3 + 0.4 * row
             rows = np.stack(
-                [
-                    np.stack([0.606 * np.sin(angle), 0 * angle + h, 0.606 * np.cos(angle)], 1)
-                    for h in (y + high, y)
-                ]
+                [np.stack([0.606 * np.sin(angle), 0 * angle + h, 0.606 * np.cos(angle)], 1) for h in (y + high, y)]
             )
             normal = np.broadcast_to(np.stack([np.sin(angle), 0 * angle, np.cos(angle)], 1), rows.shape)
             v, u = np.meshgrid([0.0, 1.0], np.linspace(0, 1, 7), indexing="ij")
@@ -96,9 +87,7 @@ def lamp(site: Site, p: Palette) -> None:
         (0.22, 0.0),
     ]
     site.put(lathe(post, 14), p.iron)
-    cage = [
-        beam((0.1 * x, 3.12, 0.1 * z), (0.17 * x, 3.56, 0.17 * z), 0.022) for x in (-1, 1) for z in (-1, 1)
-    ]
+    cage = [beam((0.1 * x, 3.12, 0.1 * z), (0.17 * x, 3.56, 0.17 * z), 0.022) for x in (-1, 1) for z in (-1, 1)]
     cage += [
         lathe([(0.02, 3.86), (0.06, 3.76), (0.27, 3.58), (0.26, 3.55)], 8),
         lathe([(0.16, 3.13), (0.05, 3.08)], 8),
@@ -136,9 +125,7 @@ def linden(site: Site, p: Palette, seed: int, height: float = 5.4) -> None:
         )
         # Normals of a round crown: it is lit as a whole.
         cards.append(
-            Shape(
-                card.positions + centre, np.broadcast_to(out, card.positions.shape), card.uv, card.triangles
-            )
+            Shape(card.positions + centre, np.broadcast_to(out, card.positions.shape), card.uv, card.triangles)
         )
     site.put(join(cards), p.leaves)
 

@@ -25,9 +25,7 @@ def tray(size: tuple[float, float], seed: int) -> tuple[Shape, Shape]:
     v, u = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9), indexing="ij")
     y = 0.1 + 0.11 * (1 - u**4) * (1 - v**4) + 0.015 * np.sin(7 * u + seed) * np.cos(5 * v + seed)
     points = np.stack([u * (w / 2 - 0.01), y, v * (d / 2 - 0.01)], -1)
-    slope = np.stack(
-        [-np.gradient(y, axis=1) / (w / 8), np.ones_like(y), -np.gradient(y, axis=0) / (d / 8)], -1
-    )
+    slope = np.stack([-np.gradient(y, axis=1) / (w / 8), np.ones_like(y), -np.gradient(y, axis=0) / (d / 8)], -1)
     normal = slope / np.linalg.norm(slope, axis=-1, keepdims=True)
     return join(slats), grid(points, normal, np.stack([u * w, v * d], -1) * 0.8 + 0.17 * seed)
 
@@ -52,13 +50,9 @@ def _frame(site: Site, p: Palette, canvas: int, width: float) -> None:
     for turn in (0, 180):
         site.put(half.turn_y(turn).shift(0, 3.0, 0), p.awnings[canvas])
     site.put(box((width, 0.05, 1.5), (0, 0.82, 0.05)), p.wood)
-    skirt = quad((-width / 2, 0.82, 0.79), (width, 0, 0), (0, -0.72, 0)).map_uv(
-        (width, 0.72), (0.3 * canvas, 0.1)
-    )
+    skirt = quad((-width / 2, 0.82, 0.79), (width, 0, 0), (0, -0.72, 0)).map_uv((width, 0.72), (0.3 * canvas, 0.1))
     site.put(skirt, p.sack)
-    site.put(
-        join([box((0.06, 0.8, 0.06), (x, 0.4, -0.6)) for x in np.linspace(-width / 2, width / 2, 3)]), p.wood
-    )
+    site.put(join([box((0.06, 0.8, 0.06), (x, 0.4, -0.6)) for x in np.linspace(-width / 2, width / 2, 3)]), p.wood)
 
 
 def fruit_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:

@@ -24,13 +24,9 @@ def _arcs(size: int, repeats: int, rings: int) -> tuple[NDArray[np.int64], Field
             x, y = middle[u][None] - cx, middle[v][:, None] - cy
             at = np.hypot(x, y) / radius * rings
             ring = np.floor(at)
-            turn = np.arctan2(y, x) / np.pi * np.maximum(np.round(np.pi * (ring + 0.5) * 0.95), 2) + 0.5 * (
-                ring % 2
-            )
+            turn = np.arctan2(y, x) / np.pi * np.maximum(np.round(np.pi * (ring + 0.5) * 0.95), 2) + 0.5 * (ring % 2)
             edge = np.minimum(np.minimum(at % 1, 1 - at % 1), np.minimum(turn % 1, 1 - turn % 1))
-            number = (
-                (row % (2 * repeats) * repeats + column % repeats) * 331 + ring * 47 + np.floor(turn) % 47
-            )
+            number = (row % (2 * repeats) * repeats + column % repeats) * 331 + ring * 47 + np.floor(turn) % 47
             inside = at < rings
             joint[window] = np.where(inside, edge, joint[window])
             label[window] = np.where(inside, number, label[window])
@@ -64,11 +60,7 @@ def plaster(size: int, seed: int) -> Maps:
     streak, web = fractal(size, seed + 3, 0.9, (6.0, 0.4)), fractal(size, seed + 4, 1.2)
     crack = np.clip(1 - np.abs(web - 0.5) * 160, 0, 1) * (cloud > 0.55)
     tone = (
-        0.82
-        + 0.16 * (cloud - 0.5)
-        + 0.16 * (grain - 0.5)
-        + 0.1 * (stroke - 0.5)
-        - 0.12 * np.clip(streak - 0.6, 0, 1)
+        0.82 + 0.16 * (cloud - 0.5) + 0.16 * (grain - 0.5) + 0.1 * (stroke - 0.5) - 0.12 * np.clip(streak - 0.6, 0, 1)
     )
     warm = np.array([1.0, 0.985, 0.95])
     return (

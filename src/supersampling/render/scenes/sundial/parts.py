@@ -102,8 +102,6 @@ def star_plate(radius: float, points: int = 8) -> Shape:
                 (radius * 0.6, 0, -radius * 0.16),
             ]
         )
-        flat = Shape(
-            corners, np.tile([0.0, 1.0, 0.0], (4, 1)), corners[:, [0, 2]], np.array([[0, 1, 2], [0, 2, 3]])
-        )
+        flat = Shape(corners, np.tile([0.0, 1.0, 0.0], (4, 1)), corners[:, [0, 2]], np.array([[0, 1, 2], [0, 2, 3]]))
         blades.append(flat.at(rotation((0, 1, 0), a)))
     return join(blades)

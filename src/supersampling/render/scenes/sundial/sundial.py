@@ -37,9 +37,7 @@ def _wall(site: Site, p: Palette, width: float, bays: int, door: int) -> None:
     for k in range(bays):
         site.put(quad((k * step, FRIEZE, 0), (step, 0, 0), (0, DADO - FRIEZE, 0)), p.bays[k % 2])
     high = 0.42
-    site.put(
-        quad((0, FRIEZE + high, 0), (width, 0, 0), (0, -high, 0)).map_uv((round(width / high), 1)), p.frieze
-    )
+    site.put(quad((0, FRIEZE + high, 0), (width, 0, 0), (0, -high, 0)).map_uv((round(width / high), 1)), p.frieze)
     site.put(panel((0, TOP, 0), (width, 0, 0), (0, FRIEZE + high - TOP, 0)), p.lime)
     site.put(box((width + 1.0, 0.16, 0.6), (width / 2, TOP + 0.06, -0.26)), p.lime, (0.78, 0.5, 0.36))
     site.put(panel((width + 0.5, TOP, -0.5), (-width - 1.0, 0, 0), (0, -TOP, 0)), p.lime)
@@ -64,9 +62,7 @@ def _court(b: Builder, p: Palette) -> None:
         angle = np.radians(14.5 * hour)
         across, back = np.sin(angle), -np.cos(angle)
         reach = min((x - 0.6) / max(abs(across), 1e-6), (z - 0.6 + foot[1]) / max(-back, 1e-6))
-        line = box((0.07, 0.006, reach - 1.3), (0, 0.0, -(reach + 1.3) / 2), ("top",)).turn_y(
-            -float(np.degrees(angle))
-        )
+        line = box((0.07, 0.006, reach - 1.3), (0, 0.0, -(reach + 1.3) / 2), ("top",)).turn_y(-float(np.degrees(angle)))
         b.put(line.shift(foot[0], 0, foot[1]), p.lime, dark)
     for radius in (1.3, 4.6, 8.2):
         span = np.linspace(1.3, -1.3, 41) if radius < 8 else np.linspace(0.88, -0.88, 41)

@@ -87,9 +87,7 @@ def _weather() -> tuple[Field, Field]:
     return textures.fractal(1024, 1, 0.35), textures.fractal(1024, 2, 1.2)
 
 
-def carved(
-    relief: Field, seed: int, stops: Stops, depth: float, metallic: float, rough: float = 0.35
-) -> Maps:
+def carved(relief: Field, seed: int, stops: Stops, depth: float, metallic: float, rough: float = 0.35) -> Maps:
     """Maps of a relief: dull in its hollows (patina, dust), worn bright on its heights."""
     height, width = relief.shape
     shift = tuple(np.random.default_rng(seed).integers(1024, size=2))
@@ -141,21 +139,15 @@ class Materials:
             for k, t in enumerate(PANELS)
         ]
         self.brick = self._maps("brick", textures.bricks(512, 16, 6, red, 41), 1.4)
-        self.plaster = self._maps(
-            "wall paper", carved(1 - 0.6 * scrolls(512, 8), 45, plaster, 1.5, 0.0, 0.7), 1.2
-        )
+        self.plaster = self._maps("wall paper", carved(1 - 0.6 * scrolls(512, 8), 45, plaster, 1.5, 0.0, 0.7), 1.2)
         self.tiles = self._maps("tiles", textures.floor_tiles(512, 6, marble, 49), 2.0)
         self.spines = self._flat("book spines", lettering.spines(51), 0.65)
         self.paper = self._flat("newspaper", lettering.newspaper(4), 0.9)
         posters = (("GUILLOCHE", (28, 52, 70), (236, 222, 180)), ("TURNED WORK", (226, 208, 166), (130, 34, 28)),
                    ("ROSE ENGINE", (60, 84, 62), (240, 228, 196)), ("PATTERN NO 9", (190, 150, 70), (30, 26, 26)))  # fmt: skip
-        self.posters = [
-            self._flat(t, lettering.poster(k, b, f, t), 0.8) for k, (t, b, f) in enumerate(posters)
-        ]
+        self.posters = [self._flat(t, lettering.poster(k, b, f, t), 0.8) for k, (t, b, f) in enumerate(posters)]
         self.gauges = [self._flat(u, lettering.gauge(k, u), 0.5) for k, u in enumerate(("rpm", "mm"))]
-        self.plan = self._flat(
-            "work plan", lettering.notice(6, "WORK PLAN", (212, 222, 226), (26, 44, 90)), 0.9
-        )
+        self.plan = self._flat("work plan", lettering.notice(6, "WORK PLAN", (212, 222, 226), (26, 44, 90)), 0.9)
         soft = np.full((8, 8, 3), 235, np.uint8)
         self.lamp = builder.material(Material("soft box", soft, roughness=0.9, emission=(3.2, 3.0, 2.6)))
 

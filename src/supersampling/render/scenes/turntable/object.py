@@ -15,9 +15,7 @@ TOP = 1.86  # height of the machine
 
 def _band(radius: float, low: float, high: float, segments: int = 72) -> Shape:
     """Upright cylinder wall whose uv run once around and from top to bottom."""
-    return lathe([(radius, high), (radius, low)], segments).map_uv(
-        (1 / (2 * np.pi * radius), 1 / (high - low))
-    )
+    return lathe([(radius, high), (radius, low)], segments).map_uv((1 / (2 * np.pi * radius), 1 / (high - low)))
 
 
 def _around(shape: Shape, count: int, first: float = 0.0) -> Shape:
@@ -83,9 +81,7 @@ def _handles(m: Materials) -> list[Part]:
     """Four scrolled brackets with leaves, between the plinth and the belly."""
     t = np.linspace(0, 3.3 * np.pi, 60)
     radius = 0.12 * np.exp(-0.17 * t)
-    curl = np.stack(
-        [0.5 + radius * np.cos(t - 0.6 * np.pi), 0.98 + radius * np.sin(t - 0.6 * np.pi), 0 * t], 1
-    )
+    curl = np.stack([0.5 + radius * np.cos(t - 0.6 * np.pi), 0.98 + radius * np.sin(t - 0.6 * np.pi), 0 * t], 1)
     arm = np.stack(
         [
             0.5 + 0.06 * np.sin(np.linspace(0, 2 * np.pi, 18)) - 0.035,
@@ -168,6 +164,4 @@ def _cresting(m: Materials) -> list[Part]:
 
 def machine(m: Materials) -> list[Part]:
     """All that turns."""
-    return [
-        part for make in (_table, _plinth, _urn, _handles, _works, _sphere, _cresting) for part in make(m)
-    ]
+    return [part for make in (_table, _plinth, _urn, _handles, _works, _sphere, _cresting) for part in make(m)]

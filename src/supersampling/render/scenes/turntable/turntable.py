@@ -32,9 +32,7 @@ def _room(b: Builder, m: Materials) -> None:
             b.put(box((side, tall, deep), (0, y, -HALF + deep / 2)).turn_y(turn), m.oak)
         for x in np.arange(-HALF + 0.5, HALF, 0.5):
             b.put(box((0.06, 0.72, 0.04), (x, 0.56, -HALF + 0.02)).turn_y(turn), m.oak)
-        b.put(
-            box((side, 0.74, 0.02), (0, 0.57, -HALF + 0.01), ("front",)).turn_y(turn), m.oak, (0.7, 0.7, 0.7)
-        )
+        b.put(box((side, 0.74, 0.02), (0, 0.57, -HALF + 0.01), ("front",)).turn_y(turn), m.oak, (0.7, 0.7, 0.7))
     for z in np.arange(-3.0, 3.1, 1.5):
         b.put(box((side, 0.18, 0.14), (0, HEIGHT - 0.09, z)), m.oak)
 
