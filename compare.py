@@ -12,8 +12,8 @@ os.environ.setdefault("SUPERSAMPLING_ROOT", str(Path(__file__).resolve().parent)
 @hydra.main(version_base="1.3", config_path="conf", config_name="compare")
 def main(cfg: DictConfig) -> None:
     # Imported here so that --help is quick.
-    from supersampling.entry import run
-    from supersampling.reporting.comparison import compare_command
+    from supersampling.commands.compare import compare_command
+    from supersampling.commands.entry import run
 
     run(compare_command, cfg)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import hydra
 from omegaconf import DictConfig
 
-from supersampling.resolvers import register
+from supersampling.commands.resolvers import register
 
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(Path(__file__).resolve().parent))
 register()
@@ -14,8 +14,8 @@ register()
 
 @hydra.main(config_path="conf", config_name="show", version_base="1.3")
 def main(cfg: DictConfig) -> None:
-    from supersampling.entry import run
-    from supersampling.show.command import show
+    from supersampling.commands.entry import run
+    from supersampling.commands.show import show
 
     run(show, cfg)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import hydra
 from omegaconf import DictConfig
 
-from supersampling.resolvers import register
+from supersampling.commands.resolvers import register
 
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(Path(__file__).resolve().parent))
 register()
@@ -20,8 +20,8 @@ TOLERANCE_STATUS = 3
 
 @hydra.main(config_path="conf", config_name="stress", version_base="1.3")
 def main(cfg: DictConfig) -> None:
-    from supersampling.entry import run
-    from supersampling.stress.command import stress_command
+    from supersampling.commands.entry import run
+    from supersampling.commands.stress import stress_command
 
     held: list[bool] = []
     run(lambda given: held.append(stress_command(given)), cfg)

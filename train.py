@@ -6,8 +6,8 @@ from pathlib import Path
 import hydra
 from omegaconf import DictConfig
 
-from supersampling.resolvers import register
-from supersampling.training.campaign import run_each
+from supersampling.commands.campaign import run_each
+from supersampling.commands.resolvers import register
 
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(Path(__file__).resolve().parent))
 register()
@@ -15,8 +15,8 @@ register()
 
 @hydra.main(config_path="conf", config_name="train", version_base="1.3")
 def main(cfg: DictConfig) -> None:
-    from supersampling.entry import run
-    from supersampling.training.job import train
+    from supersampling.commands.entry import run
+    from supersampling.commands.train import train
 
     run(train, cfg)
 

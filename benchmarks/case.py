@@ -17,10 +17,10 @@ from torch.profiler import record_function
 ROOT = Path(__file__).resolve().parents[1]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 
+from supersampling.commands.resolvers import register  # noqa: E402
 from supersampling.frames import BUFFERS  # noqa: E402
 from supersampling.losses import Loss  # noqa: E402
 from supersampling.models.base import Upsampler  # noqa: E402
-from supersampling.resolvers import register  # noqa: E402
 from supersampling.training.module import unroll  # noqa: E402
 
 MODELS = ("dlctus", "nsrr", "nsrd", "enss_s", "enss_m")

@@ -25,13 +25,13 @@ from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 from torch.utils._python_dispatch import TorchDispatchMode
 
+from supersampling.commands.resolvers import register
 from supersampling.models.base import Upsampler
+from supersampling.models.count import random_frame
 from supersampling.models.dlctus import DLCTUS
 from supersampling.models.dlctus_native import DLCTUSNative
 from supersampling.profiling import memory
 from supersampling.profiling.ceiling import Kernels
-from supersampling.profiling.count import random_frame
-from supersampling.resolvers import register
 
 ROOT = Path(__file__).resolve().parents[1]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))

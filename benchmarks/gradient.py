@@ -24,9 +24,9 @@ from torch import Tensor
 ROOT = Path(__file__).resolve().parents[1]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 
+from supersampling.commands.resolvers import register  # noqa: E402
 from supersampling.ops import interpolate  # noqa: E402
 from supersampling.ops.cubic_gradient import bicubic_grid_sample  # noqa: E402
-from supersampling.resolvers import register  # noqa: E402
 from supersampling.training.module import unroll  # noqa: E402
 
 REPEATS = 15

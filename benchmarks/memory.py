@@ -16,9 +16,9 @@ import torch
 from case import Case, cases
 from omegaconf import DictConfig
 
-from supersampling.entry import run
+from supersampling.commands.entry import run
+from supersampling.commands.resolvers import register
 from supersampling.errors import UserError
-from supersampling.resolvers import register
 
 FRAMES = (2, 4, 8, 16, 32)
 STEPS = 2  # the second has gradients and the optimizer's memory from the start

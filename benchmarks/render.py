@@ -11,10 +11,9 @@ from collections.abc import Callable
 import numpy as np
 
 from supersampling.render.camera import Shot, Window
-from supersampling.render.content import load_scene
 from supersampling.render.paths import camera_path, routes_of
 from supersampling.render.renderer import Renderer
-from supersampling.render.source import installed_scenes
+from supersampling.scenes.load import installed_scenes, load_scene
 
 FRAMES = 6
 USUAL = frozenset({"color", "depth", "motion"})

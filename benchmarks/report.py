@@ -18,10 +18,10 @@ from mlflow import MlflowClient
 from mlflow.entities import Metric, Param
 from omegaconf import OmegaConf
 
+from supersampling.commands.report import write_report
 from supersampling.metrics.scores import FILE, Scores, write_scores
-from supersampling.reporting.document import write_report
-from supersampling.reporting.published import load_papers
-from supersampling.reporting.schema import Paper, Selection
+from supersampling.reporting.papers.published import load_papers
+from supersampling.reporting.papers.schema import Paper, Selection
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = [f"scene{index}" for index in range(9)]

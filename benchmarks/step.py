@@ -23,7 +23,7 @@ from omegaconf import DictConfig, OmegaConf
 from torch.utils.data import DataLoader
 from where import PARTS, Spent, where_it_goes
 
-from supersampling.entry import run
+from supersampling.commands.entry import run
 from supersampling.training.fit import make_loaders
 from supersampling.training.job import fitting_buffers
 from supersampling.training.module import Training

@@ -11,12 +11,13 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from supersampling import scenes
 from supersampling.errors import UserError
-from supersampling.render import scenes
-from supersampling.render.content import load_scene
-from supersampling.render.manifest import MEASURES, contradictions, parse, with_measured
 from supersampling.render.measure.costs import costs, table
 from supersampling.render.measure.scene import measure
+from supersampling.scenes.built_in import BUILT_IN
+from supersampling.scenes.load import load_scene
+from supersampling.scenes.manifest import MEASURES, contradictions, parse, with_measured
 
 
 def update(name: str) -> None:
@@ -43,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     reader.add_argument("--costs", action="store_true", help="time and size of each buffer instead")
     chosen = reader.parse_args(arguments)
     try:
-        for name in chosen.scenes or list(scenes.BUILT_IN):
+        for name in chosen.scenes or list(BUILT_IN):
             if chosen.costs:
                 print(f"{name}\n\n{table(costs(load_scene(name)))}\n")
             else:

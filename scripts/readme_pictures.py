@@ -11,9 +11,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from supersampling.render.camera import Shot, Window
-from supersampling.render.content import load_scene
 from supersampling.render.paths import camera_path
 from supersampling.render.renderer import Renderer
+from supersampling.scenes.load import load_scene
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"

@@ -13,9 +13,9 @@ from hydra.core.hydra_config import HydraConfig
 from numpy.typing import NDArray
 from omegaconf import DictConfig, open_dict
 
+from supersampling.commands.resolvers import register
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.writer import ClipWriter, join_clips
-from supersampling.resolvers import register
 
 ROOT = Path(__file__).resolve().parents[1]
 os.environ["SUPERSAMPLING_ROOT"] = str(ROOT)

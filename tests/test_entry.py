@@ -5,7 +5,7 @@ import errno
 import pytest
 from omegaconf import OmegaConf
 
-from supersampling.entry import run
+from supersampling.commands.entry import run
 from supersampling.errors import UserError
 
 NOTHING = OmegaConf.create()

@@ -1,5 +1,6 @@
 """The one exception that means: the user can mend this."""
 
+import errno
 import gc
 import traceback
 from collections.abc import Iterator
@@ -34,3 +35,15 @@ def let_go(error: BaseException) -> None:
     for one in chain(error):
         traceback.clear_frames(one.__traceback__)
     gc.collect()
+
+
+def find_user_error(error: BaseException) -> UserError | None:
+    """The first mistake of the user's along an exception's chain of causes (Hydra wraps what a constructor raises)."""
+    for one in chain(error):
+        if isinstance(one, UserError):
+            return one
+        if isinstance(one, OSError) and one.errno == errno.ENOSPC:
+            return UserError(
+                "The disk is full: free some space, then run the same command again; it goes on from there."
+            )
+    return None

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 from mlflow import MlflowClient
 
-from supersampling.reporting.advice_sheet import sheets
-from supersampling.reporting.runs import Store
+from supersampling.reporting.pages.advice_sheet import sheets
+from supersampling.runs.store import Store
 
 SUMMARY = {
     "scene": "sundial", "space": "nsrd", "margin": 0.1, "size": "120x68", "clips": 4, "seeds": 2,

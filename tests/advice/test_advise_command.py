@@ -13,7 +13,7 @@ from hydra.core.hydra_config import HydraConfig
 from mlflow.tracking import MlflowClient
 from omegaconf import open_dict
 
-from supersampling.advice.command import advise_command
+from supersampling.commands.advise import advise_command
 from supersampling.errors import UserError
 from supersampling.training import job
 

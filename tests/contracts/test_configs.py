@@ -9,7 +9,8 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from supersampling.training.job import _baselines, method_name
+from supersampling.commands.train import _baselines
+from supersampling.runs.naming import method_name
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -10,9 +10,9 @@ from hydra.core.global_hydra import GlobalHydra
 from model_cases import CONF
 from test_sweeps import IN_MINUTES, SWEEPS, jobs_of
 
-from supersampling.reporting.published import load_paper
+from supersampling.reporting.papers.published import load_paper
 from supersampling.reporting.selection import matches
-from supersampling.training.identity import flat_parameters
+from supersampling.runs.identity import flat_parameters
 
 PAPERS = {name: load_paper(Path(CONF.parent / "reports" / "published" / f"{name}.yaml")) for name in ("nsrd", "dlctus")}
 # Classical methods run by themselves beside each job.

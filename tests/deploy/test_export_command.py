@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from supersampling.commands.export import export_command
 from supersampling.deploy.check import Difference, compare, recorded_frames
-from supersampling.deploy.command import export_command
 from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OnnxRuntime
 from supersampling.errors import UserError
@@ -37,7 +37,7 @@ def test_a_method_without_state_is_one_graph_and_runs_on_a_data_set(configure, m
 
 
 def test_what_is_too_far_off_is_not_written(configure, monkeypatch, tmp_path):
-    from supersampling.deploy import command
+    from supersampling.commands import export as command
 
     monkeypatch.setattr(command, "compare", lambda *_: {"openvino": Difference(0.25, 3, 0.1)})
     with pytest.raises(UserError, match=r"openvino differs from PyTorch by 0.25 at frame 3"):

@@ -5,10 +5,10 @@ import pytest
 from image_files import write_png
 from mlflow.tracking import MlflowClient
 
+from supersampling.commands.evaluate import evaluate_command
+from supersampling.commands.train import train
 from supersampling.data.store import Store
 from supersampling.errors import UserError
-from supersampling.training.evaluate import evaluate_command
-from supersampling.training.job import train
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from hydra.utils import instantiate
 
+from supersampling.commands.resolvers import register
 from supersampling.frames import Frame
-from supersampling.resolvers import register
 from supersampling.training.module import unroll
 
 CONF = Path(__file__).resolve().parents[2] / "conf"

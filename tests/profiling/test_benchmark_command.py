@@ -13,17 +13,17 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import OmegaConf, open_dict
 
+from supersampling.commands import benchmark as benchmark_command
+from supersampling.commands.benchmark import check_settings, timing_of
 from supersampling.errors import UserError
-from supersampling.profiling import benchmark_command
-from supersampling.profiling.benchmark_command import check_settings, timing_of
-from supersampling.profiling.benchmark_log import tell_jobs
 from supersampling.profiling.ceiling import Ceiling
 from supersampling.profiling.interleave import Outcome
-from supersampling.profiling.methods import named, of_run
-from supersampling.profiling.timing import read
 from supersampling.profiling.traffic import Work
 from supersampling.profiling.worker import Case
-from supersampling.training.tracking import open_experiment
+from supersampling.runs.experiment import open_experiment
+from supersampling.runs.subjects import named, of_run
+from supersampling.runs.timing import read
+from supersampling.runs.timing_log import tell_jobs
 
 ROOT = Path(__file__).resolve().parents[2]
 BICUBIC = {"_target_": "supersampling.models.bicubic.Bicubic", "scale": 4}

@@ -7,13 +7,14 @@ import pytest
 import torch
 from mlflow.tracking import MlflowClient
 
+from supersampling.commands.benchmark import benchmark_command
+from supersampling.commands.cost import cost_command
+from supersampling.commands.train import train
 from supersampling.errors import UserError
 from supersampling.models.bicubic import Bicubic
 from supersampling.profiling.backends import ChannelsLast, Eager, Setting
-from supersampling.profiling.benchmark_command import benchmark_command
-from supersampling.profiling.cost_command import cost_command
 from supersampling.profiling.native import Native
-from supersampling.training.job import experiment_of, train
+from supersampling.runs.experiment import experiment_of
 
 
 @pytest.fixture

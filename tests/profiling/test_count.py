@@ -14,10 +14,11 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 from torch import nn
 
+from supersampling.commands.count import count_command
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
 from supersampling.models.bicubic import Bicubic
-from supersampling.profiling.count import count, count_command, size_of
+from supersampling.models.count import count, size_of
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -13,7 +13,8 @@ from supersampling.frames import Frame
 from supersampling.metrics.prepare import Continuous
 from supersampling.models.base import Upsampler
 from supersampling.profiling.backends import Eager, Setting
-from supersampling.profiling.drift import KEYS, calibration, changes, costs, first_clips, roll, slope
+from supersampling.profiling.drift import calibration, first_clips, roll
+from supersampling.runs.drift import KEYS, changes, costs, slope
 
 
 class Repeat(Upsampler):

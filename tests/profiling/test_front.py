@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from trade_cases import NO, candidate, clip_scores, run, timing
 
-from supersampling.profiling.front import Candidate, Place, candidates, front, gap, places, plus
-from supersampling.reporting.overview import Method
-from supersampling.reporting.statistics import Estimate, paired_difference
+from supersampling.reporting.pages.overview import Method
+from supersampling.reporting.trade.front import Candidate, Place, candidates, front, gap, places, plus
+from supersampling.runs.statistics import Estimate, paired_difference
 
 # Few values, so that ties are many.
 NUMBERS = st.sampled_from([1.0, 2.0, 3.0, 4.0, 5.0, NO])

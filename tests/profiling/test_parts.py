@@ -51,7 +51,7 @@ def test_a_model_is_left_as_it_was():
 
 def test_tensor_functions_are_parts(composed):
     from supersampling.models import dlctus
-    from supersampling.profiling.count import random_frame
+    from supersampling.models.count import random_frame
 
     original = dlctus.zero_upsample
     model = instantiate(composed("model=dlctus").model)

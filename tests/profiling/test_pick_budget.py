@@ -6,10 +6,10 @@ import pytest
 from trade_cases import NO, candidate, clip_scores, run, timing
 
 from supersampling.errors import UserError
-from supersampling.profiling.front import Candidate, candidates
-from supersampling.profiling.pick import Rendering, paired, sentences, upper, within_db, within_ms
-from supersampling.reporting.overview import Method
-from supersampling.reporting.statistics import Estimate
+from supersampling.reporting.pages.overview import Method
+from supersampling.reporting.trade.front import Candidate, candidates
+from supersampling.reporting.trade.pick import Rendering, paired, sentences, upper, within_db, within_ms
+from supersampling.runs.statistics import Estimate
 
 ALONE = Rendering()
 

@@ -8,9 +8,9 @@ import torch
 from fake_time import Clock
 from hydra.utils import instantiate
 
+from supersampling.models.count import LONGEST
 from supersampling.profiling import stream
 from supersampling.profiling.backends import Stream, buffers
-from supersampling.profiling.count import LONGEST
 from supersampling.profiling.stream import SETTLING, Streaming, cache_size, distinct_frames, spread
 
 CPU = torch.device("cpu")

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from mlflow.tracking import MlflowClient
 
-from supersampling.profiling.timing import Timing, architecture, read, table
+from supersampling.runs.timing import Timing, architecture, read, table
 
 ONE = Timing(
     "dlctus", "0123456789abcdef", 4, 1920, 1080, "eager", "float32", "cpu", 2, "a machine", 12.5, 12.0, 13.25, 100, 480.0,

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pandas as pd
 
-from supersampling.profiling.front import Candidate
-from supersampling.profiling.timing import Timing
-from supersampling.reporting.runs import Run
-from supersampling.reporting.statistics import Estimate
+from supersampling.reporting.trade.front import Candidate
+from supersampling.runs.statistics import Estimate
+from supersampling.runs.store import Run
+from supersampling.runs.timing import Timing
 
 NO = math.nan
 SCENES = ("arena", "bar", "foundry", "market", "stk/zengarden")

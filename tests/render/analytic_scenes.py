@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from supersampling.render.camera import Camera, Shot, Window
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Material, Mesh, Object, Scene, Sky, Sun
+from supersampling.scenes.scene import Material, Mesh, Object, Scene, Sky, Sun
 
 Points = NDArray[np.float64]
 DARK = Sky((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)

@@ -2,8 +2,8 @@
 
 from functools import cache
 
-from supersampling.render.scene import Scene
-from supersampling.render.scenes import BUILT_IN
+from supersampling.scenes.built_in import BUILT_IN
+from supersampling.scenes.scene import Scene
 
 
 @cache

@@ -5,7 +5,7 @@ from itertools import groupby, pairwise
 import numpy as np
 
 from supersampling.render.paths import CameraPath, camera_path
-from supersampling.render.scene import Route
+from supersampling.scenes.scene import Route
 
 STYLES = ("walk", "head", "stops", "fast", "still", "mixed")
 BENT = [(0, 1.6, 0), (0, 1.6, -6), (3, 1.6, -9)]

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from supersampling.errors import UserError
-from supersampling.render.gltf import load_gltf
+from supersampling.scenes.gltf import load_gltf
 
 TYPES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
 KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}

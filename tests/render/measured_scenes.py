@@ -4,7 +4,7 @@ import numpy as np
 
 from supersampling.render.camera import Camera, Shot, Window
 from supersampling.render.measure.probe import whole as whole_frame
-from supersampling.render.scene import Material
+from supersampling.scenes.scene import Material
 
 FOCAL = 540.0 / np.tan(0.5)  # of a 1080p frame of the default camera, target pixels
 MATTE = Material("matte", base_color=(0.5, 0.5, 0.5), roughness=1.0)

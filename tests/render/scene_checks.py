@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from supersampling.render.scene import Object, Scene
+from supersampling.scenes.scene import Object, Scene
 
 Points = NDArray[np.float64]
 

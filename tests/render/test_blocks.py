@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from supersampling.render.scenes.kit import blocks, shapes
+from supersampling.scenes.kit import blocks, shapes
 
 CASES = [
     ("box", ((1, 2, 3), (4, 5, 6)), {}),

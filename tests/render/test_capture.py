@@ -12,7 +12,7 @@ from supersampling.render import capture
 from supersampling.render.check import check_spec
 from supersampling.render.jitter import thesis_4x4
 from supersampling.render.pool import render_files
-from supersampling.render.scene import Material, Mesh, Object, Route, Scene, Sky
+from supersampling.scenes.scene import Material, Mesh, Object, Route, Scene, Sky
 
 USUAL = frozenset({"color", "depth", "motion", "jitter", "target"})
 SPEC = CaptureSpec("wall", "train", 3, 4, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)

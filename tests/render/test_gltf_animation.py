@@ -8,9 +8,9 @@ from gltf_files import Builder
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from supersampling.render.gltf import load_gltf
 from supersampling.render.paths import routes_of
-from supersampling.render.scene import Scene
+from supersampling.scenes.gltf import load_gltf
+from supersampling.scenes.scene import Scene
 
 
 def loaded(file: Builder, path: Path) -> Scene:

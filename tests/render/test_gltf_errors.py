@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gltf_files import Builder, data_uri, png, refused, square_file
 
-from supersampling.render.gltf import load_gltf
+from supersampling.scenes.gltf import load_gltf
 
 
 def textured(image: dict) -> Builder:

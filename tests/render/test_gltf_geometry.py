@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from gltf_files import SQUARE, SQUARE_INDICES, SQUARE_UV, Builder
 
-from supersampling.render.gltf import load_gltf
-from supersampling.render.scene import Mesh, Object, Scene
+from supersampling.scenes.gltf import load_gltf
+from supersampling.scenes.scene import Mesh, Object, Scene
 
 
 def placed(scene: Scene, item: Object, seconds: float = 0.0) -> np.ndarray:

@@ -9,9 +9,9 @@ from analytic_scenes import camera, still, whole
 from gltf_files import SQUARE_UV, Builder, data_uri, png
 from PIL import Image
 
-from supersampling.render.gltf import load_gltf
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Material, Scene
+from supersampling.scenes.gltf import load_gltf
+from supersampling.scenes.scene import Material, Scene
 
 CHECKS = np.random.default_rng(0).integers(0, 256, (8, 4, 4), dtype=np.uint8)
 FRONT = camera((0.0, 0.0, 3.0))

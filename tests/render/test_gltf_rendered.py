@@ -7,9 +7,9 @@ import numpy as np
 from analytic_scenes import DARK, camera, still, whole
 from gltf_files import SQUARE, SQUARE_INDICES, SQUARE_UV, Builder
 
-from supersampling.render.gltf import load_gltf
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Material, Mesh, Object, Scene
+from supersampling.scenes.gltf import load_gltf
+from supersampling.scenes.scene import Material, Mesh, Object, Scene
 
 FRONT = camera((0.0, 0.0, 3.0))
 COLOR = frozenset({"color"})

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from gltf_files import Builder
 
-from supersampling.render.gltf import load_gltf
-from supersampling.render.gltf.nodes import Place
-from supersampling.render.gltf.survey import Survey, survey
-from supersampling.render.scene import Mesh
+from supersampling.scenes.gltf import load_gltf
+from supersampling.scenes.gltf.nodes import Place
+from supersampling.scenes.gltf.survey import Survey, survey
+from supersampling.scenes.scene import Mesh
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 # Each face counter-clockwise as seen from outside.

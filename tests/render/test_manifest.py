@@ -4,7 +4,8 @@ import pytest
 import yaml
 
 from supersampling.errors import UserError
-from supersampling.render.manifest import (
+from supersampling.scenes.built_in import BUILT_IN
+from supersampling.scenes.manifest import (
     BOUNDS,
     FEATURES,
     LEVELS,
@@ -15,7 +16,6 @@ from supersampling.render.manifest import (
     parse,
     with_measured,
 )  # fmt: skip
-from supersampling.render.scenes import BUILT_IN
 
 GOOD = {"title": "A box", "about": "One box. It turns.", "shows": dict.fromkeys(FEATURES, "present")}
 EVEN = dict.fromkeys(MEASURES, 0.5)

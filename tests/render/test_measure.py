@@ -20,7 +20,7 @@ from supersampling.render.measure.look import (
 )
 from supersampling.render.measure.probe import Probe, by_mesh, seeded_shots, standing
 from supersampling.render.measure.scene import details
-from supersampling.render.scene import Material, PointLight, Route, Scene, Sun
+from supersampling.scenes.scene import Material, PointLight, Route, Scene, Sun
 
 
 def test_gradient_energy_is_scale_free_and_right_by_hand():

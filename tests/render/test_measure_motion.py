@@ -9,7 +9,7 @@ from supersampling.render.camera import Window
 from supersampling.render.measure.motion import agreement, disocclusion, edges, near_agreement, reprojection
 from supersampling.render.measure.probe import Probe, around
 from supersampling.render.measure.scene import _judged
-from supersampling.render.scene import Material, Scene
+from supersampling.scenes.scene import Material, Scene
 
 
 def sliding(z: float, speed: float, half: float = 1.0) -> Scene:

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from camera_measures import ROUTE, STYLES, eyes, path
 
-from supersampling.render.paths import look_at, rolled, routes_of
-from supersampling.render.scene import Route, Scene
+from supersampling.render.paths import rolled, routes_of
+from supersampling.scenes.scene import Route, Scene, look_at
 
 
 def test_look_at_puts_the_target_on_the_axis():

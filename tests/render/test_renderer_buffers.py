@@ -11,7 +11,7 @@ from supersampling.frames import BUFFERS
 from supersampling.ops.demodulate import demodulate, remodulate
 from supersampling.render.camera import Shot
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Material, Object, PointLight, Scene, Sky
+from supersampling.scenes.scene import Material, Object, PointLight, Scene, Sky
 
 LOW = frozenset(n for n, b in BUFFERS.items() if b.resolution == "low")
 HIGH = frozenset(n for n, b in BUFFERS.items() if b.resolution == "high")

@@ -24,7 +24,7 @@ from supersampling.errors import UserError
 from supersampling.render import renderer as module
 from supersampling.render.camera import Shot, Window
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Material, Scene, Sky, Sun
+from supersampling.scenes.scene import Material, Scene, Sky, Sun
 
 FRAME = whole(96, 64)
 ALL = frozenset({"color", "depth", "motion"})

@@ -22,7 +22,7 @@ from analytic_scenes import (
 
 from supersampling.render.camera import Camera, Window
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Material, Mesh, PointLight, Scene, Sun
+from supersampling.scenes.scene import Material, Mesh, PointLight, Scene, Sun
 
 COLOR = frozenset({"color"})
 SQUARE = camera(fov=2 * np.arctan(0.25))  # a wall of side 2 at distance 4 fills a square frame

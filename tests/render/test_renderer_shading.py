@@ -26,7 +26,7 @@ from analytic_scenes import (
 
 from supersampling.render.camera import Camera
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Material, Mesh, PointLight, Scene, Sky, Sun
+from supersampling.scenes.scene import Material, Mesh, PointLight, Scene, Sky, Sun
 
 
 def _reflected(point: np.ndarray, unit: np.ndarray, view: Camera, normal: np.ndarray, paint: Material) -> np.ndarray:

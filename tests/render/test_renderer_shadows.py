@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from analytic_scenes import DOWN, MATTE, bright, camera, eye, floor, floor_points, quad, scene, shift, turn
 
-from supersampling.render.scene import Material, Mesh, PointLight, Sun
+from supersampling.scenes.scene import Material, Mesh, PointLight, Sun
 
 
 def _inside(points: np.ndarray, half: float, margin: float) -> tuple[np.ndarray, np.ndarray]:

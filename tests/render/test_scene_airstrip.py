@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from built_scenes import built
 
-from supersampling.render.scene import Scene
-from supersampling.render.scenes.airstrip.motion import Course, lane
+from supersampling.scenes.airstrip.motion import Course, lane
+from supersampling.scenes.scene import Scene
 
 FRAME = 1.0 / 60.0
 FOCAL = 540.0 / np.tan(1.05 / 2)  # pixels of a 1080p frame

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from built_scenes import built
 
-from supersampling.render.scene import Scene
-from supersampling.render.scenes.arena.arena import WALKERS
-from supersampling.render.scenes.arena.figures import HEAD, Coat
-from supersampling.render.scenes.arena.gait import biped
-from supersampling.render.scenes.kit.motion import translation
+from supersampling.scenes.arena.arena import WALKERS
+from supersampling.scenes.arena.figures import HEAD, Coat
+from supersampling.scenes.arena.gait import biped
+from supersampling.scenes.kit.motion import translation
+from supersampling.scenes.scene import Scene
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ import pytest
 from built_scenes import built
 from scipy.spatial import cKDTree
 
-from supersampling.render.scene import Mesh, Scene
-from supersampling.render.scenes.atrium.atrium import HEIGHT, LENGTH, WIDTH
+from supersampling.scenes.atrium.atrium import HEIGHT, LENGTH, WIDTH
+from supersampling.scenes.scene import Mesh, Scene
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from built_scenes import built
 
-from supersampling.render.scene import Material, Scene
+from supersampling.scenes.scene import Material, Scene
 
 FRAME = 1.0 / 60.0
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from supersampling.render.scenes.kit.motion import chain, rotation, shuttle, spin, sway
-from supersampling.render.scenes.kit.shapes import (
+from supersampling.scenes.kit.motion import chain, rotation, shuttle, spin, sway
+from supersampling.scenes.kit.shapes import (
     Shape,
     beam,
     box,
@@ -18,7 +18,7 @@ from supersampling.render.scenes.kit.shapes import (
     sphere,
     tube,
 )
-from supersampling.render.scenes.kit.textures import floor_tiles, fractal, masonry, normals, photo
+from supersampling.scenes.kit.textures import floor_tiles, fractal, masonry, normals, photo
 
 
 def _corners(shape: Shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,8 +7,8 @@ import pytest
 from built_scenes import built
 from scipy.spatial import KDTree
 
-from supersampling.render.scene import Scene
-from supersampling.render.scenes.foundry.parts import gear, meshing_phase, oval
+from supersampling.scenes.foundry.parts import gear, meshing_phase, oval
+from supersampling.scenes.scene import Scene
 
 FRAME = 1.0 / 60.0
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from built_scenes import built
 
-from supersampling.render.scene import Scene
-from supersampling.render.scenes.louvres import parts
+from supersampling.scenes.louvres import parts
+from supersampling.scenes.scene import Scene
 
 FOCAL = 135.0 / np.tan(1.05 / 2)  # pixels, of a frame of 270 rows
 

@@ -5,8 +5,8 @@ import pytest
 from built_scenes import built
 
 from supersampling.render.paths import routes_of
-from supersampling.render.scene import Scene
-from supersampling.render.scenes.market.textures import fan_cobbles
+from supersampling.scenes.market.textures import fan_cobbles
+from supersampling.scenes.scene import Scene
 
 # What carries print, by the words in the names of the materials.
 _PRINT = (

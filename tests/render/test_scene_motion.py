@@ -7,8 +7,8 @@ from built_scenes import built
 
 from supersampling.render.measure.motion import places, reprojection
 from supersampling.render.measure.probe import Probe, seeded_shots
-from supersampling.render.scene import Scene
-from supersampling.render.scenes import BUILT_IN
+from supersampling.scenes.built_in import BUILT_IN
+from supersampling.scenes.scene import Scene
 
 SIDE = 384  # samples, at 4 x 4 a pixel of a 1080p target
 

@@ -5,10 +5,10 @@ import pytest
 from built_scenes import built
 
 from supersampling.render.camera import Camera, Shot, Window
-from supersampling.render.paths import camera_path, look_at, routes_of
+from supersampling.render.paths import camera_path, routes_of
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Route, Scene
-from supersampling.render.scenes.sundial.sundial import APOTHEM, CHAMBER, HALF, RELIEF
+from supersampling.scenes.scene import Route, Scene, look_at
+from supersampling.scenes.sundial.sundial import APOTHEM, CHAMBER, HALF, RELIEF
 
 SPLITS = ("train", "val", "test")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from built_scenes import built
 
-from supersampling.render.scene import Scene
+from supersampling.scenes.scene import Scene
 
 
 @pytest.fixture(scope="module")

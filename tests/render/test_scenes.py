@@ -4,7 +4,7 @@ import pytest
 from built_scenes import built
 from scene_checks import check_equal, check_meshes, check_motion, check_routes
 
-from supersampling.render.scenes import BUILT_IN
+from supersampling.scenes.built_in import BUILT_IN
 
 LARGE = {"atrium": (88_000, 25e6), "foundry": (100_002, 25e6)}  # triangles, texels
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from supersampling.render.stk.curves import Curve, read_curves
+from supersampling.scenes.stk.curves import Curve, read_curves
 
 KEYS = '<p c="1 2" h1="-9 1" h2="6 7"/><p c="26 10" h1="20 12" h2="30 -3"/><p c="76 -4" h1="50 5" h2="80 0"/>'
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from supersampling.render.stk.images import linear, read_image, upright_normals
+from supersampling.scenes.stk.images import linear, read_image, upright_normals
 
 
 def bumps(flip: bool) -> np.ndarray:

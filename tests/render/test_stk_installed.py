@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from supersampling.render.scene import Scene
-from supersampling.render.stk import available_tracks, find_data, load_track
+from supersampling.scenes.scene import Scene
+from supersampling.scenes.stk import available_tracks, find_data, load_track
 
 pytestmark = [
     pytest.mark.stk,

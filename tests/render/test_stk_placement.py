@@ -3,7 +3,7 @@ from xml.etree.ElementTree import fromstring
 import numpy as np
 import pytest
 
-from supersampling.render.stk.placement import Placement, read_placement, world_transform
+from supersampling.scenes.stk.placement import Placement, read_placement, world_transform
 
 
 def irrlicht(degrees: tuple[float, float, float]) -> np.ndarray:

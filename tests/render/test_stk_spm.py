@@ -6,7 +6,7 @@ import pytest
 from stk_files import WALL, WALL_INDICES, Vertex, spm_bytes
 
 from supersampling.errors import UserError
-from supersampling.render.stk.spm import read_spm
+from supersampling.scenes.stk.spm import read_spm
 
 FLAGS = list(product((False, True), repeat=4))
 

@@ -6,9 +6,9 @@ from PIL import Image
 from stk_files import WALL, WALL_INDICES, Vertex, spm_bytes, write_track
 
 from supersampling.errors import UserError
-from supersampling.render.scene import Object, Scene
-from supersampling.render.stk import available_tracks, find_data, load_track
-from supersampling.render.stk.attribution import attribution
+from supersampling.scenes.scene import Object, Scene
+from supersampling.scenes.stk import available_tracks, find_data, load_track
+from supersampling.scenes.stk.attribution import attribution
 
 SUN = '<sun xyz="0 100 -100" sun-diffuse="255 0 51" ambient="120 120 120"/>'
 

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 from stored_runs import CLASSICAL, Log, config
 
-from supersampling.reporting.document import write_report
+from supersampling.commands.report import write_report
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,6 @@
 from typing import Any
 
-from supersampling.reporting.runs import Run
+from supersampling.runs.store import Run
 
 
 def made_run(

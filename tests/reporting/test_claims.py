@@ -9,12 +9,12 @@ import pandas as pd
 import pytest
 from made_runs import made_run
 
-from supersampling.reporting.claim_sheets import counts, long_form, rows
-from supersampling.reporting.claims import Judged, choose_claim, judge, side
-from supersampling.reporting.runs import Run
-from supersampling.reporting.schema import Claim, Series
+from supersampling.reporting.pages.claim_sheets import counts, long_form, rows
+from supersampling.reporting.papers.claims import Judged, choose_claim, judge, side
+from supersampling.reporting.papers.schema import Claim, Series
 from supersampling.reporting.settings import choose
-from supersampling.reporting.statistics import Estimate
+from supersampling.runs.statistics import Estimate
+from supersampling.runs.store import Run
 
 SCENES = ("arena", "bar", "foundry", "louvres", "market", "sundial")
 # By scene; of no mean.

@@ -14,7 +14,7 @@ from supersampling.metrics.video.colorvideovdp import ColorVideoVdp
 from supersampling.metrics.video.vmaf import Vmaf
 from supersampling.metrics.video.warping import DualMotion, Photometric, WarpingError
 from supersampling.reporting.directions import better
-from supersampling.reporting.published import load_paper
+from supersampling.reporting.papers.published import load_paper
 
 ROOT = Path(__file__).resolve().parents[2]
 # The names of metrics whose convention is an argument. LPIPS is not made here: it needs weights.

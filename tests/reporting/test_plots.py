@@ -9,8 +9,8 @@ import pytest
 from made_runs import made_run
 from matplotlib.figure import Figure
 
-from supersampling.reporting import plots
-from supersampling.reporting.schema import PublishedFigure, Series
+from supersampling.reporting.figures import plots
+from supersampling.reporting.papers.schema import PublishedFigure, Series
 from supersampling.reporting.settings import choose
 
 matplotlib.use("pdf")

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from supersampling.errors import UserError
-from supersampling.reporting.published import Paper, load_paper
+from supersampling.reporting.papers.published import Paper, load_paper
 
 FILE = Path(__file__).resolve().parents[2] / "reports" / "published" / "dlctus.yaml"
 

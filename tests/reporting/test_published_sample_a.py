@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from supersampling.reporting.published import Paper, load_paper
+from supersampling.reporting.papers.published import Paper, load_paper
 
 FOLDER = Path(__file__).resolve().parents[2] / "reports" / "published"
 

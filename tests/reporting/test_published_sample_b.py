@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from supersampling.reporting.published import load_paper
+from supersampling.reporting.papers.published import load_paper
 
 PUBLISHED = Path(__file__).resolve().parents[2] / "reports" / "published"
 

@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from supersampling.errors import UserError
-from supersampling.reporting.published import load_paper, load_papers, name_of, stem_of, sweep_of
-from supersampling.reporting.schema import Paper
+from supersampling.reporting.papers.published import load_paper, load_papers, name_of, stem_of, sweep_of
+from supersampling.reporting.papers.schema import Paper
 
 SMALL: dict[str, Any] = {
     "paper": "small", "title": "A paper", "authors": "A. One, B. Two", "source": "1999", "short": "One et al.",

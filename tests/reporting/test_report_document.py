@@ -9,7 +9,7 @@ import pytest
 from pypdf import PdfReader
 from stored_runs import FINGERPRINT, ROOT, Log, config, mean_of, ours
 
-from supersampling.reporting.document import write_report
+from supersampling.commands.report import write_report
 
 
 def test_a_cell_is_the_mean_over_clips_and_seeds(report: Path, log: Log) -> None:

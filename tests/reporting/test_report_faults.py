@@ -17,8 +17,8 @@ from mlflow.exceptions import MlflowException
 from pypdf import PdfReader
 from stored_runs import FINGERPRINT, ROOT, Log, config, ours
 
+from supersampling.commands.report import write_report
 from supersampling.errors import UserError
-from supersampling.reporting.document import write_report
 
 
 @contextmanager

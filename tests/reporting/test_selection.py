@@ -6,9 +6,9 @@ import pytest
 from made_runs import made_run
 
 from supersampling.errors import UserError
-from supersampling.reporting.runs import Run
 from supersampling.reporting.selection import choose_runs, matches, one_per_seed, pools_for
 from supersampling.reporting.settings import choose
+from supersampling.runs.store import Run
 
 
 def run(name: str, ended: int = 0, dataset: str = "aaaa", **params: Any) -> Run:

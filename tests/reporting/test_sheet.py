@@ -4,10 +4,10 @@ import math
 
 import pytest
 
-from supersampling.reporting.schema import Metric
-from supersampling.reporting.sheet import Sheet, Text, latex, markdown
-from supersampling.reporting.statistics import Estimate
-from supersampling.reporting.tables import number, ranks
+from supersampling.reporting.pages.sheet import Sheet, Text, latex, markdown
+from supersampling.reporting.papers.schema import Metric
+from supersampling.reporting.papers.tables import number, ranks
+from supersampling.runs.statistics import Estimate
 
 SHEET = Sheet(
     "table2", "100% & more.", [("", 1), ("A|B", 2)], ["loss", "thesis", "ours"],

@@ -4,8 +4,8 @@ import numpy as np
 from made_runs import made_run
 from PIL import Image
 
-from supersampling.reporting.overview import Method
-from supersampling.reporting.states import state_tables
+from supersampling.reporting.figures.states import state_tables
+from supersampling.reporting.pages.overview import Method
 
 
 def grey(path: Path, level: int) -> None:

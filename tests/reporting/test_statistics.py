@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from supersampling.reporting.statistics import bootstrap_mean, paired_difference
+from supersampling.runs.statistics import bootstrap_mean, paired_difference
 
 NINE = np.repeat(np.arange(9), 4)
 

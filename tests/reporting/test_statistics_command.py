@@ -13,10 +13,10 @@ from mlflow import MlflowClient
 from mlflow.entities import Param
 from omegaconf import OmegaConf
 
+from supersampling.commands.compare import compare_command
+from supersampling.commands.typed import as_typed
 from supersampling.errors import UserError
 from supersampling.metrics.scores import FILE, Scores, write_scores
-from supersampling.reporting.comparison import compare_command
-from supersampling.reporting.typed import as_typed
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = {"task.scale": "4", "task.mip_bias": "matched", "data": "laptop", "data.scenes": "atrium"}

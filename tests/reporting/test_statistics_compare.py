@@ -11,9 +11,9 @@ from made_runs import made_run
 
 from supersampling.errors import UserError
 from supersampling.reporting.comparison import compare, decimals, plus_minus, text, verdict
-from supersampling.reporting.runs import Run
 from supersampling.reporting.seeds import Group, find_groups, pair, seed_groups
-from supersampling.reporting.statistics import Estimate
+from supersampling.runs.statistics import Estimate
+from supersampling.runs.store import Run
 
 
 def run(name: str, *given: Any, method: str = "", **params: Any) -> Run:

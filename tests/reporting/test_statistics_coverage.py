@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from supersampling.reporting import statistics
-from supersampling.reporting.statistics import Estimate, paired_difference
+from supersampling.runs import statistics
+from supersampling.runs.statistics import Estimate, paired_difference
 
 TRUTH = 0.4
 RESAMPLES = 500

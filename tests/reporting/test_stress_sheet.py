@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 from mlflow import MlflowClient
 
-from supersampling.reporting.runs import Store
-from supersampling.reporting.stress_sheet import sheets, typeset
+from supersampling.reporting.pages.stress_sheet import sheets, typeset
+from supersampling.runs.store import Store
 
 COLUMNS = ["model", "extreme", "precision", "verdict", "why", "value", "truth"]
 ROWS = [

@@ -15,12 +15,12 @@ from matplotlib.figure import Figure
 from pypdf import PdfReader
 from stored_runs import SCENES, Log, config
 
-from supersampling.profiling import timing
-from supersampling.profiling.front import Place
-from supersampling.profiling.timing import Timing, architecture
-from supersampling.reporting import trade_plot
-from supersampling.reporting.document import write_report
-from supersampling.reporting.trade import Trade, best_of
+from supersampling.commands.report import write_report
+from supersampling.reporting.trade import plot as trade_plot
+from supersampling.reporting.trade.front import Place
+from supersampling.reporting.trade.sheets import Trade, best_of
+from supersampling.runs import timing
+from supersampling.runs.timing import Timing, architecture
 
 matplotlib.use("pdf")
 MACHINE = "Linux x86_64, 2 threads, torch 2.14.1"
@@ -174,9 +174,9 @@ def test_tables_survive_json() -> None:
 
 def crowd() -> Trade:
     """Twelve methods, three of which share a point."""
-    from supersampling.profiling.front import Candidate
-    from supersampling.reporting.runs import Run
-    from supersampling.reporting.statistics import Estimate
+    from supersampling.reporting.trade.front import Candidate
+    from supersampling.runs.statistics import Estimate
+    from supersampling.runs.store import Run
 
     rng = np.random.default_rng(0)
     found = []

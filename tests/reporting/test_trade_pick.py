@@ -10,8 +10,8 @@ from omegaconf import DictConfig, OmegaConf
 from stored_runs import FINGERPRINT, Log
 from test_trade import FACTOR, METHODS, benchmark, losses, made, trained
 
+from supersampling.commands.pick import pick_command, wants_pick
 from supersampling.errors import UserError
-from supersampling.profiling.pick_command import pick_command, wants_pick
 
 Ask = Callable[..., DictConfig]
 

@@ -11,8 +11,8 @@ from hydra.core.global_hydra import GlobalHydra
 from PIL import Image
 from show_files import write
 
+from supersampling.commands.show import show
 from supersampling.errors import UserError
-from supersampling.show.command import show
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,13 +6,13 @@ import pytest
 import torch
 from mlflow.tracking import MlflowClient
 
+from supersampling.commands.stress import stress_command
 from supersampling.errors import UserError
+from supersampling.runs.checkpoint import KEY
 from supersampling.stress import precision
 from supersampling.stress.cell import COLUMNS
-from supersampling.stress.command import stress_command
 from supersampling.stress.memory import gigabytes, too_large
 from supersampling.stress.plan import EXTREMES, GROUPS, OTHERS, choose
-from supersampling.training.carry import KEY
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
+from supersampling.commands.campaign import commands, run_each
 from supersampling.errors import UserError
-from supersampling.training.campaign import commands, run_each
 
 
 @pytest.fixture

@@ -6,12 +6,12 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
 
 from supersampling.errors import UserError
-from supersampling.profiling.count import random_frame
-from supersampling.training.carry import KEY, build, carried, content
+from supersampling.models.count import random_frame
+from supersampling.runs.checkpoint import KEY, build, carried, content
+from supersampling.runs.experiment import open_experiment
+from supersampling.runs.method import method_of
+from supersampling.runs.naming import method_name
 from supersampling.training.fit import fit
-from supersampling.training.job import method_name
-from supersampling.training.method import method_of
-from supersampling.training.tracking import open_experiment
 
 
 @pytest.fixture
@@ -130,7 +130,7 @@ def test_files_that_are_none(configure, tmp_path):
     [
         "builtins.open",
         "os.system",
-        "supersampling.training.tracking.platform.os.system",  # reached through our module
+        "supersampling.runs.experiment.platform.os.system",  # reached through our module
         "supersampling.models.dlctus.torch.hub.load",
         "supersampling.models.dlctus.nn.Conv2d",
         "supersampling.models.dlctus.check_scale",  # a function

@@ -187,7 +187,7 @@ def test_the_losses_of_dlctus_are_the_thesis_s(golden):
 
 
 if __name__ == "__main__":
-    from supersampling.resolvers import register
+    from supersampling.commands.resolvers import register
 
     os.environ["SUPERSAMPLING_ROOT"] = str(ROOT)
     register()

@@ -11,11 +11,12 @@ from mlflow.tracking._tracking_service.utils import _get_store
 from sqlalchemy import text
 
 from supersampling.errors import UserError
+from supersampling.runs.checkpoint import load_weights
+from supersampling.runs.experiment import open_experiment
+from supersampling.runs.identity import flat_parameters, identity
 from supersampling.training import job
-from supersampling.training.fit import fit, load_weights
-from supersampling.training.identity import flat_parameters, identity
+from supersampling.training.fit import fit
 from supersampling.training.module import Training
-from supersampling.training.tracking import open_experiment
 
 ROOT = Path(__file__).resolve().parents[2]
 

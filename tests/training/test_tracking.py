@@ -1,7 +1,7 @@
 import pytest
 from mlflow.tracking import MlflowClient
 
-from supersampling.training import tracking
+from supersampling.runs import experiment as tracking
 
 
 def test_a_store_whose_making_is_cut_short_leaves_nothing_that_the_next_start_trips_over(tmp_path, monkeypatch):

@@ -18,7 +18,7 @@ from supersampling.advice.prior import Reason
 from supersampling.advice.prior import rows as reason_rows
 from supersampling.advice.space import Composition, key_of
 from supersampling.advice.trainings import Trainings
-from supersampling.training.tracking import Experiment
+from supersampling.runs.experiment import Experiment
 
 # What says where and how a search ran, not what it found.
 _NOT_FOUND = (

@@ -8,7 +8,7 @@ import numpy as np
 
 from supersampling.advice.halving import Values
 from supersampling.advice.space import Composition, Space
-from supersampling.reporting.statistics import Estimate, paired_difference
+from supersampling.runs.statistics import Estimate, paired_difference
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from supersampling.frames import BUFFERS
 from supersampling.models.base import Upsampler
 from supersampling.profiling.backends import Eager, Setting
 from supersampling.profiling.stream import Streaming, cache_size, distinct_frames
-from supersampling.render.content import load_scene
 from supersampling.render.measure.costs import costs
-from supersampling.training.tracking import machine
+from supersampling.runs.experiment import machine
+from supersampling.scenes.load import load_scene
 
 BYTES = {"uint8": 1, "uint16": 2, "float16": 2, "float32": 4}
 

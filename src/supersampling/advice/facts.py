@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.ops.motion_mask import motion_mask
-from supersampling.render.manifest import load_manifest
+from supersampling.scenes.manifest import load_manifest
 from supersampling.stages.dilate import ClosestDepth
 
 Clip = Mapping[str, NDArray[np.float32]]

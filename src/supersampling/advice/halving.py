@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from supersampling.reporting.statistics import Estimate, paired_difference
+from supersampling.runs.statistics import Estimate, paired_difference
 
 Values = NDArray[np.float64]
 Score = Callable[[int, int], "Values | None"]

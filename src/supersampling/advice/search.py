@@ -17,9 +17,9 @@ from supersampling.advice.settings import Settings
 from supersampling.advice.space import Composition, Space
 from supersampling.advice.trainings import Composed, Trainings
 from supersampling.errors import UserError
-from supersampling.reporting.statistics import Estimate
+from supersampling.runs.experiment import Experiment
+from supersampling.runs.statistics import Estimate
 from supersampling.training.job import Files
-from supersampling.training.tracking import Experiment
 
 
 @dataclass(frozen=True)

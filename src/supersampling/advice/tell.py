@@ -11,7 +11,7 @@ from supersampling.advice.answer import Found
 from supersampling.advice.contributions import latest
 from supersampling.advice.facts import Fact
 from supersampling.advice.prior import Reason
-from supersampling.reporting.statistics import Estimate
+from supersampling.runs.statistics import Estimate
 
 
 def _say(*lines: str) -> None:

@@ -17,12 +17,13 @@ from supersampling.advice.space import Composition, merged
 from supersampling.data.module import fingerprint
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
-from supersampling.reporting.runs import SEARCHED
+from supersampling.runs.experiment import Experiment
+from supersampling.runs.identity import identity
+from supersampling.runs.naming import is_learned
+from supersampling.runs.scores import scores_of
+from supersampling.runs.store import SEARCHED
 from supersampling.training.check import check_numbers
-from supersampling.training.identity import identity
-from supersampling.training.job import Files, Job, fitting_buffers, is_learned, scoring_buffers
-from supersampling.training.log import scores_of
-from supersampling.training.tracking import Experiment
+from supersampling.training.job import Files, Job, fitting_buffers, scoring_buffers
 
 METRIC = "psnr"
 

@@ -15,7 +15,7 @@ from supersampling.deploy.runner import Runner
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS, Frame
 from supersampling.models.base import Upsampler
-from supersampling.profiling.count import random_frame
+from supersampling.models.count import random_frame
 
 OTHER_SIZES = (2, 3), (5, 7), (15, 15)  # times what a size has to be a multiple of
 

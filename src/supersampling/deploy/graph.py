@@ -12,7 +12,7 @@ from torch.utils import _pytree as pytree
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS, Frame
 from supersampling.models.base import Upsampler
-from supersampling.profiling.count import random_frame
+from supersampling.models.count import random_frame
 
 OPSET = 20  # the first whose GridSample is the one of PyTorch
 MULTIPLES = (1, 4, 8)  # of which a size may have to be one, tried in this order

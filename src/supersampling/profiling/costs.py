@@ -15,7 +15,7 @@ from supersampling.metrics.prepare import Prepare
 from supersampling.models.base import Upsampler
 from supersampling.profiling.backends import Backend, Setting
 from supersampling.profiling.drift import Player, Variant, first_clips, roll
-from supersampling.training.tracking import machine
+from supersampling.runs.experiment import machine
 
 Wanted = Sequence[tuple[Backend, str]]  # each with a precision
 

@@ -14,9 +14,9 @@ from torch import Tensor
 
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
+from supersampling.models.count import LONGEST, random_frame
 from supersampling.profiling.backends import Stream, buffers
 from supersampling.profiling.ceiling import synchronise
-from supersampling.profiling.count import LONGEST, random_frame
 
 Clock = Callable[[], float]  # seconds
 FEWEST, MOST = 4, 64  # distinct frames

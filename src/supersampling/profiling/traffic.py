@@ -13,8 +13,8 @@ from torch.utils._pytree import tree_leaves
 
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
+from supersampling.models.count import LONGEST, count, random_frame
 from supersampling.profiling.backends import buffers
-from supersampling.profiling.count import LONGEST, count, random_frame
 
 
 @dataclass(frozen=True)

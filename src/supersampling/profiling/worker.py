@@ -16,15 +16,15 @@ from typing import Any
 import torch
 from hydra.utils import get_class, instantiate
 
-from supersampling.entry import find_user_error
+from supersampling.errors import find_user_error
 from supersampling.models.base import Upsampler
 from supersampling.profiling import ceiling, memory
 from supersampling.profiling.backends import Backend, Setting, TorchStream
 from supersampling.profiling.parts import Part, Recorder, parts
 from supersampling.profiling.precision import TYPES
 from supersampling.profiling.stream import Streaming, cache_size, distinct_frames
-from supersampling.profiling.timing import architecture
 from supersampling.render.jitter import jitter_sequence
+from supersampling.runs.timing import architecture
 
 LONGEST_REASON = 200  # characters
 GRACE = 10  # seconds that a worker has to end by itself

@@ -14,12 +14,12 @@ from supersampling.data.writer import ClipWriter
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 from supersampling.render.check import check_buffers, check_spec
-from supersampling.render.content import load_scene
 from supersampling.render.jitter import jitter_sequence, mip_bias, target_mip_bias
 from supersampling.render.paths import FRAMES_PER_SECOND
 from supersampling.render.renderer import TONEMAP, Renderer
-from supersampling.render.scene import Scene
 from supersampling.render.selection import Take, choose
+from supersampling.scenes.load import load_scene
+from supersampling.scenes.scene import Scene
 
 Step = Callable[[], object]
 

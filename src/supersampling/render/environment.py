@@ -5,7 +5,7 @@ import numpy as np
 
 from supersampling.data.brdf_table import brdf_table
 from supersampling.render.programs import assign
-from supersampling.render.scene import Sky
+from supersampling.scenes.scene import Sky
 
 _UNIT = 9  # texture units up to 8 are the G-buffer's and the shadow maps'
 

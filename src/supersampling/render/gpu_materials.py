@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from supersampling.render.scene import Material, Texture
+from supersampling.scenes.scene import Material, Texture
 
 _SRGB8_ALPHA8 = 0x8C43
 _UNIFORM_ALIGNMENT = 256

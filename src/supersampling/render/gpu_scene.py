@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from supersampling.render.camera import Matrix
 from supersampling.render.frustum import Boxes, transformed
 from supersampling.render.gpu_materials import GpuMaterials
-from supersampling.render.scene import Material, Mesh, Object, Scene
+from supersampling.scenes.scene import Material, Mesh, Object, Scene
 
 CHUNK_TRIANGLES = 2048
 VERTEX_LAYOUT = ("3f 3f 2f 4f 4f1", "in_position", "in_normal", "in_uv", "in_tangent", "in_color")

@@ -7,8 +7,8 @@ are ours, chosen to be plausible for a person who stands or strolls and looks ab
 
 import numpy as np
 
-from supersampling.render.rail import FRAMES_PER_SECOND, Poses, Rail, Vector, directions
-from supersampling.render.scene import Route
+from supersampling.render.rail import FRAMES_PER_SECOND, Poses, Rail, directions
+from supersampling.scenes.scene import Route, Vector
 
 _NECK_FORWARD, _NECK_UP = 0.0805, 0.075  # metres from the neck's joint to the eyes
 _FARTHEST = np.radians(110.0)  # that the head turns from the body's heading

@@ -8,8 +8,8 @@ from supersampling.render.camera import Matrix
 from supersampling.render.frustum import visible
 from supersampling.render.gpu_scene import GpuScene
 from supersampling.render.programs import Programs, assign
-from supersampling.render.scene import PointLight
 from supersampling.render.shadows import CUBE_NORMAL_OFFSET, Casters, PointShadows, SunShadows
+from supersampling.scenes.scene import PointLight
 
 MAX_LIGHTS = 64  # in view at once; the nearest are kept
 

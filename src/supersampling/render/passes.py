@@ -14,9 +14,9 @@ from supersampling.render.frustum import planes_of, visible
 from supersampling.render.gpu_scene import GpuScene
 from supersampling.render.lighting import Lights
 from supersampling.render.programs import Programs, assign, matrix
-from supersampling.render.scene import Scene
 from supersampling.render.shadows import Casters
 from supersampling.render.targets import GBuffer, Needs, Targets
+from supersampling.scenes.scene import Scene
 
 LOOK_SHADOWS = 256  # texels a side of the sun's map for a first look
 

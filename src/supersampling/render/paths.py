@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from supersampling.render.camera import Camera
 from supersampling.render.rail import FRAMES_PER_SECOND as FRAMES_PER_SECOND
-from supersampling.render.rail import Vector
-from supersampling.render.scene import Route, Scene
 from supersampling.render.styles import camera_style
+from supersampling.scenes.scene import Route, Scene, look_at
 
 # Routes go to the splits in this order, again and again, so that no two splits share a path.
 _SPLIT_OF_ROUTE = ("train", "test", "train", "val", "train", "test")
@@ -21,18 +20,6 @@ class CameraPath:
 
     cameras: tuple[Camera, ...]
     seconds: tuple[float, ...]
-
-
-def look_at(eye: Vector, forward: Vector) -> NDArray[np.float64]:
-    """World-to-camera matrix of a camera at ``eye`` that looks along ``forward`` (not vertical), y up."""
-    back = -forward / np.linalg.norm(forward)
-    right = np.cross((0.0, 1.0, 0.0), back)
-    right /= np.linalg.norm(right)
-    up = np.cross(back, right)
-    view = np.eye(4)
-    view[:3, :3] = np.stack((right, up, back))
-    view[:3, 3] = -view[:3, :3] @ eye
-    return view
 
 
 def rolled(view: NDArray[np.float64], roll: float) -> NDArray[np.float64]:

@@ -17,8 +17,8 @@ from tqdm import tqdm
 from supersampling.data.spec import CaptureSpec
 from supersampling.errors import UserError
 from supersampling.render.capture import DataFile, Studio
-from supersampling.render.content import check_scene
-from supersampling.render.scene import Scene
+from supersampling.scenes.load import check_scene
+from supersampling.scenes.scene import Scene
 
 _POLL = 0.2  # seconds
 _THREADS = "LP_NUM_THREADS"

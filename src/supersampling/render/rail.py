@@ -3,13 +3,11 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from supersampling.render.scene import Route
+from supersampling.scenes.scene import Route, Vector
 
-Vector = NDArray[np.float64]
 FRAMES_PER_SECOND = 60.0  # what the thesis aims at (4.3.4), and QRISP's (annex A.2); NSRR and NSRD give none
 
 _KNOTS = 513

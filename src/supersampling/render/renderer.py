@@ -20,8 +20,8 @@ from supersampling.ops.dual_motion import dual_motion
 from supersampling.render import matrices
 from supersampling.render.camera import Shot, Window
 from supersampling.render.passes import EXTRACTED, Passes, View
-from supersampling.render.scene import Scene
 from supersampling.render.targets import Needs
+from supersampling.scenes.scene import Scene
 
 TONEMAP = "aces_narkowicz"
 TILE = 2048  # pixels of a side that are shaded at once

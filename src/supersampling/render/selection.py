@@ -11,7 +11,7 @@ from supersampling.data.spec import CaptureSpec
 from supersampling.render.camera import Shot, Window
 from supersampling.render.paths import CameraPath, camera_path, routes_of
 from supersampling.render.renderer import Renderer
-from supersampling.render.scene import Scene
+from supersampling.scenes.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)

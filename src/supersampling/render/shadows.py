@@ -15,7 +15,7 @@ from supersampling.render.camera import Matrix
 from supersampling.render.frustum import planes_of, touches_sphere, visible
 from supersampling.render.gpu_scene import GpuScene
 from supersampling.render.programs import Programs, assign, matrix
-from supersampling.render.scene import PointLight, Sun
+from supersampling.scenes.scene import PointLight, Sun
 
 NEAR_REACH = 40.0  # metres of the eye within which the near map serves alone
 NEAR_FADE = 8.0

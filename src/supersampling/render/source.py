@@ -10,14 +10,6 @@ from supersampling.errors import UserError
 from supersampling.render.check import check_spec
 
 
-def installed_scenes() -> list[str]:
-    """The default scenes: the built-in ones, and two SuperTuxKart tracks where their data are installed."""
-    from supersampling.render.stk import find_data
-
-    tracks = ["stk/zengarden", "stk/black_forest"] if find_data() else []
-    return ["atrium", "foundry", *tracks]
-
-
 class Rendered(Source):
     """One file a scene and split, in ``folder``; ``path`` is the file of the scene ``gltf``.
 
@@ -57,7 +49,7 @@ class Rendered(Source):
         """``gltf`` becomes ``gltf/<the file's stem>``, and its origin the fingerprint of all that it reads."""
         if self._path is None:
             raise UserError("scene=gltf needs a file: add path=FILE.gltf or path=FILE.glb.")
-        from supersampling.render.gltf import fingerprint
+        from supersampling.scenes.gltf import fingerprint
 
         named = {
             f"gltf/{self._path.stem}" if name == "gltf" else name: origin for name, origin in self._origins.items()

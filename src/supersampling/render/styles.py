@@ -16,7 +16,7 @@ from supersampling.render.rail import (
     heading,
     route_length,
 )
-from supersampling.render.scene import Route
+from supersampling.scenes.scene import Route
 
 Style = Callable[[Route, np.random.Generator, int], Poses]
 

@@ -5,9 +5,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from supersampling.errors import UserError
-from supersampling.reporting.runs import Run
 from supersampling.reporting.selection import configurations, matches, one_per_seed, settings
 from supersampling.reporting.settings import Setting
+from supersampling.runs.store import Run
 
 SHORT = 8
 

@@ -5,9 +5,9 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-from supersampling.reporting.runs import Run
-from supersampling.reporting.schema import Selection
+from supersampling.reporting.papers.schema import Selection
 from supersampling.reporting.settings import Choice, Setting, newest
+from supersampling.runs.store import Run
 
 RESULT_SETTINGS = (
     "model.", "task.", "loss", "optimizer", "augment", "pick", "trainer.precision", "budget.", "data.train.",

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from supersampling.errors import UserError
-from supersampling.reporting.runs import Run
+from supersampling.runs.store import Run
 
 UNTRAINED = ""
 

@@ -12,7 +12,7 @@ from torch.utils._python_dispatch import TorchDispatchMode
 from torch.utils._pytree import tree_leaves
 
 from supersampling.models.base import Upsampler
-from supersampling.profiling.count import random_frame
+from supersampling.models.count import random_frame
 
 GIGA = 1e9
 DOUBLE, HELD = 2.0, 1.5  # the reference is in float64, and what is kept for the comparison

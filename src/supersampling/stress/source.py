@@ -15,7 +15,7 @@ from omegaconf import DictConfig
 
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
-from supersampling.training.method import method_of
+from supersampling.runs.method import method_of
 
 SCALES = range(1, 9)
 

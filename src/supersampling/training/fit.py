@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import lightning as L
-import torch
 from hydra.utils import instantiate
 from lightning.pytorch.callbacks import Timer
 from lightning.pytorch.loggers import MLFlowLogger
@@ -16,12 +15,12 @@ from supersampling.data.module import Loaders
 from supersampling.errors import UserError
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
-from supersampling.training.carry import Carry, content
+from supersampling.runs.checkpoint import Carry, content
 from supersampling.training.module import Training, checkpoints
 from supersampling.training.tune import tune
 
 if TYPE_CHECKING:
-    from supersampling.training.tracking import Experiment
+    from supersampling.runs.experiment import Experiment
 
 
 def fit(
@@ -31,7 +30,7 @@ def fit(
 
     The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters; the samples depend on
     their index alone: so an interrupted run reaches the weights of an uninterrupted one. It also carries the configuration
-    that it takes to use it: see `supersampling.training.carry`.
+    that it takes to use it: see `supersampling.runs.checkpoint`.
     """
     L.seed_everything(cfg.seed, workers=True, verbose=False)
     model: Upsampler = instantiate(cfg.model)
@@ -90,23 +89,3 @@ def choose_constants(cfg: DictConfig, train_files: list[Path]) -> tuple[Upsample
     clips = WholeClips(train_files, make({}).requires)
     best, _ = tune(make, OmegaConf.to_container(grid), clips)  # type: ignore[arg-type]
     return make(best), best
-
-
-def load_weights(model: Upsampler, checkpoint: Path) -> None:
-    """Load the weights of a training checkpoint into ``model`` (safe loading; no code is run).
-
-    Raises:
-        UserError: the file is missing, is no checkpoint, or holds another model.
-    """
-    try:
-        content = torch.load(checkpoint, map_location="cpu", weights_only=True)
-        prefix = "model."
-        state = {k.removeprefix(prefix): v for k, v in content["state_dict"].items() if k.startswith(prefix)}
-        model.load_state_dict(state)
-    except FileNotFoundError as error:
-        raise UserError(f"There is no checkpoint {checkpoint}: correct the path.") from error
-    except Exception as error:
-        reason = str(error).splitlines()[0]
-        raise UserError(
-            f"{checkpoint} does not hold weights of the configured model ({reason}): set model=... as it was trained."
-        ) from error

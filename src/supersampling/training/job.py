@@ -1,19 +1,14 @@
 """One job of ``train.py``: render what is missing, find or begin its run, fit, score, log."""
 
-import copy
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import torch
 from filelock import FileLock, Timeout
-from hydra import compose
-from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
 from mlflow.entities import Run
-from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf import DictConfig, OmegaConf
 
 from supersampling.data.module import Source, fingerprint
 from supersampling.errors import let_go, was_interrupted
@@ -21,57 +16,15 @@ from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
 from supersampling.metrics.chosen import Metrics
 from supersampling.models.base import Upsampler
-from supersampling.profiling.count import size_of
-from supersampling.training.check import check_numbers
-from supersampling.training.fit import choose_constants, fit, load_weights
-from supersampling.training.identity import WEIGHTS_ONLY, flat_parameters, identity
-from supersampling.training.log import has_metrics, log_result, tuned_constants
-from supersampling.training.sanity import score_sanity
-from supersampling.training.tracking import PARENT_VARIABLE, Experiment, open_experiment
+from supersampling.models.count import size_of
+from supersampling.runs.checkpoint import load_weights
+from supersampling.runs.experiment import PARENT_VARIABLE, Experiment
+from supersampling.runs.identity import WEIGHTS_ONLY, flat_parameters, identity
+from supersampling.runs.naming import is_learned, method_name
+from supersampling.runs.scores import has_metrics, log_result, tuned_constants
+from supersampling.training.fit import choose_constants, fit
 
 Files = Mapping[str, list[Path]]
-
-
-def experiment_of(cfg: DictConfig) -> Experiment:
-    """The MLflow experiment that a configuration names."""
-    return open_experiment(cfg.logger.tracking_uri, cfg.logger.experiment, Path(cfg.paths.artifacts))
-
-
-def train(cfg: DictConfig) -> None:
-    """What ``train.py`` does: the classical baselines that this data set still lacks, then the configured job."""
-    check_numbers(cfg)
-    torch.set_num_threads(cfg.threads)
-    experiment = experiment_of(cfg)
-    jobs = [*_baselines(cfg), (cfg, dict(HydraConfig.get().runtime.choices))]
-    files = data_files(cfg, [composed for composed, _ in jobs])
-    score_sanity(cfg, files["test"], experiment)
-    for composed, choices in jobs:
-        Job(composed, choices, files, experiment, announce=composed is cfg).run()
-
-
-def _baselines(cfg: DictConfig) -> list[tuple[DictConfig, dict[str, str]]]:
-    """This job with each baseline's method, and how that is tuned, in place of its own."""
-    hydra = HydraConfig.get()
-    theirs = ("model", "tune")
-    jobs = []
-    for baseline in cfg.baselines:
-        # By itself: an experiment swaps stages of a method that this one lacks.
-        composed = compose(hydra.job.config_name, list(baseline), return_hydra_config=True)
-        ours = {k: v for k, v in hydra.runtime.choices.items() if k.split("/")[0] not in theirs}
-        method = {k: v for k, v in composed.hydra.runtime.choices.items() if k.split("/")[0] in theirs}
-        job = copy.deepcopy(cfg)
-        with open_dict(job):
-            for key in theirs:
-                job.pop(key, None)
-                if key in composed:
-                    job[key] = composed[key]
-        jobs.append((job, ours | method))
-    return jobs
-
-
-def is_learned(model: Upsampler) -> bool:
-    """Whether there is anything to train."""
-    return any(p.requires_grad for p in model.parameters())
 
 
 def fitting_buffers(cfg: DictConfig) -> frozenset[str]:
@@ -197,28 +150,3 @@ class Job:
         model, constants = choose_constants(self.cfg, self.files["train"])
         self.experiment.log_params(run_id, {f"tuned.{k}": v for k, v in constants.items()})
         return model
-
-
-# The stages that a method is published with; a run that swaps one says so in its name.
-_PUBLISHED = {
-    "dlctus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "accumulate": "buffer"},
-    "tus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "rectify": "clamp_rgb"},
-    "nsrr": {
-        "extract": "learned", "upsample": "zero", "warp_at": "target", "reweight": "learned", "colour_space": "ycbcr",
-        "demodulate": "display", "guides": "none", "base": "none",
-    },
-    "nsrd": {
-        "demodulate": "lighting", "motion_mask": "dual", "recur": "convlstm", "locate": "none", "base": "none",
-    },
-    "enss": {
-        "flow": "motion_vectors", "history": "blended", "kernel_prediction": "both", "motion_grid": "block",
-    },
-}  # fmt: skip
-
-
-def method_name(choices: Mapping[str, Any]) -> str:
-    """``dlctus``, or ``dlctus reproject=bilinear`` when a stage differs from the published one."""
-    model = choices["model"]
-    stages = _PUBLISHED.get(str(model).partition("_")[0], {})  # a size or a faster form has the same stages
-    swapped = [f"{s}={choices[f'model/{s}']}" for s in stages if choices.get(f"model/{s}", stages[s]) != stages[s]]
-    return " ".join([model, *swapped])

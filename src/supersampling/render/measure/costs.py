@@ -15,7 +15,7 @@ from supersampling.render.camera import Shot, Window
 from supersampling.render.jitter import mip_bias
 from supersampling.render.measure.probe import FRAME, seeded_shots
 from supersampling.render.renderer import Image, Renderer
-from supersampling.render.scene import Scene
+from supersampling.scenes.scene import Scene
 
 SCALE, SAMPLES, SIDE = 4, 4, 256  # of the frames: a window of 256 x 256 target pixels
 FRAMES = 5

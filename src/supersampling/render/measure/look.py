@@ -11,7 +11,7 @@ from supersampling.ops.demodulate import MIN_MATERIAL, demodulate
 from supersampling.render.camera import Matrix, Shot
 from supersampling.render.measure.probe import FRAME, Mask, Probe, interface_drawn, shifted, whole
 from supersampling.render.renderer import Image
-from supersampling.render.scene import Scene
+from supersampling.scenes.scene import Scene
 
 SCALE = 4
 GLOSSY = 0.4  # roughness below which a surface counts as glossy

@@ -17,7 +17,7 @@ from supersampling.render.camera import Matrix, Shot, Window
 from supersampling.render.gpu_scene import in_world
 from supersampling.render.paths import camera_path, routes_of
 from supersampling.render.renderer import Image, Renderer
-from supersampling.render.scene import Object, Scene
+from supersampling.scenes.scene import Object, Scene
 
 FRAME = (1920, 1080)  # the target's frame
 _FRAMES, _MOMENT = 24, 8  # a shot is this frame of a path of so many: a walk that stops has not yet stopped

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.render.camera import Shot
-from supersampling.render.manifest import MEASURES
 from supersampling.render.measure.look import (
     detail,
     interface_share,
@@ -26,7 +25,8 @@ from supersampling.render.measure.motion import (
     reprojection,
 )
 from supersampling.render.measure.probe import Probe, seeded_shots, standing
-from supersampling.render.scene import Scene
+from supersampling.scenes.manifest import MEASURES
+from supersampling.scenes.scene import Scene
 
 Measures = dict[str, float | None]
 

@@ -1,5 +1,0 @@
-"""The built-in scene ``airstrip``: racing planes, lorries and drones go round an infield, fast, before painted walls."""
-
-from .airstrip import airstrip
-
-__all__ = ["airstrip"]

@@ -1,5 +1,0 @@
-"""The built-in scene ``arena``: walking robots under name plates, and a head-up display before the camera."""
-
-from .arena import arena
-
-__all__ = ["arena"]

@@ -1,5 +1,0 @@
-"""The built-in scene ``foundry``: an industrial hall of 24 x 14 x 8 m full of steel, brick, meshes and moving machines."""
-
-from .foundry import foundry
-
-__all__ = ["foundry"]

@@ -1,5 +1,0 @@
-"""The built-in scene ``sundial``: a painted court and a lamp chamber that stand still, while shadows turn over them."""
-
-from .sundial import sundial
-
-__all__ = ["sundial"]

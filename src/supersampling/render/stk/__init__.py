@@ -1,6 +1,0 @@
-"""SuperTuxKart's tracks as scenes; the data come from Debian's package ``supertuxkart-data``."""
-
-from .data import available_tracks, find_data, track_folder
-from .track import load_track
-
-__all__ = ["available_tracks", "find_data", "load_track", "track_folder"]

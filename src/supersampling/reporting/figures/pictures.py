@@ -1,0 +1,62 @@
+"""The pictures that runs keep of a scene's first clip: which there are, read, magnified and framed for a page."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from supersampling.reporting.pages.overview import Method
+
+MIN_PIXELS = 192
+FRAME = (230, 159, 0)
+_NAME = re.compile(r"(?P<number>\d+)_(?P<scene>.+?)(?P<kind>_target|_input)?\.png")
+Image8 = NDArray[np.uint8]
+
+
+def folder_of(found: Sequence[Method], folders: Mapping[str, Path]) -> dict[str, Path]:
+    """Each method's folder of pictures by its label: that of its first run that has one; a method without is left out.
+
+    ``folders`` are the downloaded ones by run id.
+    """
+    chosen = {m.label: next((folders[run.id] for run in m.runs if run.id in folders), None) for m in found}
+    return {label: folder for label, folder in chosen.items() if folder is not None}
+
+
+def positions(folders: Sequence[Path]) -> list[tuple[str, str]]:
+    """``(number, scene)`` of the pictures, by number."""
+    names = {path.name for folder in folders for path in folder.glob("*.png")}
+    matched = [match for name in names if (match := _NAME.fullmatch(name)) and match["kind"] is None]
+    found = {(match["number"], match["scene"]) for match in matched}
+    return sorted(found, key=lambda position: (int(position[0]), position[1]))
+
+
+def read(path: Path) -> Image8:
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"))
+
+
+def magnify(image: Image8) -> Image.Image:
+    """Every pixel as a square of whole pixels, so that no viewer smooths it."""
+    factor = max(1, -(-MIN_PIXELS // max(image.shape[:2])))
+    return Image.fromarray(image.repeat(factor, axis=0).repeat(factor, axis=1))
+
+
+def framed(image: Image8, x: int, y: int, width: int, height: int) -> Image.Image:
+    """Magnified, with a rectangle around ``width x height`` pixels at ``(x, y)``."""
+    marked = magnify(image)
+    factor = marked.width // image.shape[1]
+    box = (x * factor, y * factor, (x + width) * factor - 1, (y + height) * factor - 1)
+    ImageDraw.Draw(marked).rectangle(box, outline=FRAME, width=max(1, marked.width // 100))
+    return marked
+
+
+def worst_window(outputs: Sequence[Image8], target: Image8, width: int, height: int) -> tuple[int, int]:
+    """Top-left ``(x, y)`` of the window with the largest absolute error summed over the methods."""
+    error = np.asarray(sum(np.abs(image.astype(np.float64) - target).mean(axis=2) for image in outputs))
+    table = np.pad(error.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+    sums = table[height:, width:] - table[:-height, width:] - table[height:, :-width] + table[:-height, :-width]
+    y, x = np.unravel_index(int(sums.argmax()), sums.shape)
+    return int(x), int(y)

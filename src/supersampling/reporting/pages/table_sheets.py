@@ -1,0 +1,216 @@
+"""A filled table as sheets to typeset and as long-form rows; the paper's tables of facts and of pictures."""
+
+import math
+from collections.abc import Mapping
+
+from supersampling.reporting.pages.sheet import Sheet, Style, Text
+from supersampling.reporting.papers.published import name_of, stem_of, sweep_of
+from supersampling.reporting.papers.schema import Metric, Paper
+from supersampling.reporting.papers.tables import NOT_RUN, Filled, number, ranks
+from supersampling.reporting.settings import Setting
+from supersampling.runs.statistics import Estimate
+
+SIDE_BY_SIDE = 4  # columns of two numbers that fit a page
+STACKED = 6
+LOST = "–"
+LEADS = 4
+PICTURES = {
+    "crops": "see the crops",
+    "error_maps": "see the error maps below the crops",
+    "epipolar": "see Stability over time",
+    "accumulation": "see States",
+    "none": "not drawn",
+}
+Styles = Mapping[tuple[int, int, str], Style]
+
+
+def sheets(filled: Filled, paper: Paper) -> list[Sheet]:
+    """The table to typeset: published and ours side by side, or below each other where the columns are many.
+
+    More columns than a page holds go on in further parts.
+    """
+    count = len(filled.table.columns)
+    if count <= SIDE_BY_SIDE:
+        return [_sheet(filled, paper, range(count), 0, 1)]
+    parts = -(-count // STACKED)
+    each = -(-count // parts)
+    starts = range(0, count, each)
+    return [
+        _sheet(filled, paper, range(start, min(start + each, count)), part, len(starts))
+        for part, start in enumerate(starts)
+    ]
+
+
+def _sheet(filled: Filled, paper: Paper, columns: range, part: int, parts: int) -> Sheet:
+    table, styles = filled.table, _styles(filled, paper)
+    stacked = len(table.columns) > SIDE_BY_SIDE
+    names = table.columns[0].metrics if table.compare == "row" else [""]
+    body: list[list[Text]] = []
+    for index, row in enumerate(table.rows):
+        for line, name in enumerate(names):
+            labels = [Text(label if line == 0 else "") for label in row.labels]
+            metric = [Text(metric_label(paper.metrics[name]))] if name else []
+            pairs = [_pair(filled, paper, styles, index, column, line) for column in columns]
+            if not stacked:
+                body.append([*labels, *metric, *(text for pair in pairs for text in pair)])
+                continue
+            blank = [Text("") for _ in (*labels, *metric)]
+            for whose, heads in ((0, [*labels, *metric]), (1, blank)):
+                body.append([*heads, Text((paper.short, "ours")[whose], "muted"), *(pair[whose] for pair in pairs)])
+    label_heads = [*table.headers, *(["metric"] if names[0] else []), *([""] if stacked else [])]
+    shown = [table.columns[column].label for column in columns]
+    a_row = len(body) // len(table.rows)
+    return Sheet(
+        name=f"table{stem_of(table.number)}" + (f"_part{part + 1}" if parts > 1 else ""),
+        title=_ended(f"{name_of(table.number)} {paper.of}" + (f", part {part + 1} of {parts}" if parts > 1 else "")),
+        groups=[] if stacked else [*(("", 1) for _ in label_heads), *((label, 2) for label in shown)],
+        headers=[*label_heads, *(shown if stacked else [paper.short, "ours"] * len(shown))],
+        rows=body,
+        labels=len(label_heads),
+        notes=_notes(filled, paper) if part == 0 else [],
+        rules=list(range(0, len(body), a_row)) if a_row > 1 else [],
+    )
+
+
+def metric_label(metric: Metric) -> str:
+    """With its unit where it has one."""
+    return (
+        metric.label
+        if metric.unit.startswith("1") or metric.unit in metric.label
+        else f"{metric.label} ({metric.unit})"
+    )
+
+
+def _pair(filled: Filled, paper: Paper, styles: Styles, row: int, column: int, line: int) -> tuple[Text, Text]:
+    """The published and our text of a cell's ``line``-th metric."""
+    name = filled.table.columns[column].metrics[line]
+    metric = paper.metrics[name]
+    theirs = filled.table.rows[row].values[column][line]
+    published = Text(LOST, "muted") if theirs is None else Text(f"{theirs:.{metric.decimals}f}".replace("-", "−"))
+    value = filled.values.get((row, column, name))
+    if value is not None:
+        return published, Text(number(value, metric.decimals), styles[row, column, name])
+    return published, Text(filled.state(row, column, metric), "muted")
+
+
+def _styles(filled: Filled, paper: Paper) -> dict[tuple[int, int, str], Style]:
+    along_row = filled.table.compare == "row"
+    styles: dict[tuple[int, int, str], Style] = {}
+    for group in {(row if along_row else column, name) for row, column, name in filled.values}:
+        compared = {
+            (row, column): value.mean
+            for (row, column, name), value in filled.values.items()
+            if (row if along_row else column, name) == group
+        }
+        ranked = ranks(compared, paper.metrics[group[1]])
+        styles.update({(*place, group[1]): style for place, style in ranked.items()})
+    return styles
+
+
+def _notes(filled: Filled, paper: Paper) -> list[str]:
+    table = filled.table
+    notes = [_ended(table.caption)]
+    notes += [_ended(text) for text in (table.note, table.lost) if text]
+    sweep = sweep_of(table, paper)
+    sweep_note = [f"What is not run: sweeps={sweep}."] if sweep else []
+    if not filled.settings:
+        return [*notes, "Ours: not run.", *sweep_note]
+    notes.append(_settings_note(filled))
+    seeds = sorted({len(runs) for runs in filled.runs.values()})
+    if seeds[-1] > 1:
+        notes.append(f"Mean over {' to '.join(str(n) for n in sorted({seeds[0], seeds[-1]}))} seeds.")
+    if table.source == "run":
+        notes.append("Ours are numbers that the runs logged; they have no interval.")
+    if any(paper.metrics[name].ours == "mssim_thesis" for _, _, name in filled.values):
+        notes.append("SSIM after the thesis's definition (mssim_thesis).")
+    if 0 < len(filled.gaps) <= LEADS:
+        leads = "; ".join(f"{name} {_interval(gap)}" for name, gap in filled.gaps.items())
+        notes.append(f"Lead of our best over our second PSNR in dB, paired over clips: {leads}.")
+    if filled.left_out:
+        notes.append(f"{len(filled.left_out)} matching runs with other settings or repeated seeds left out.")
+    if any(row["state"] == NOT_RUN for row in long_form(filled, paper)):
+        notes += sweep_note
+    return notes
+
+
+def _settings_note(filled: Filled) -> str:
+    by_setting: dict[Setting, list[str]] = {}
+    for row, setting in sorted(filled.settings.items()):
+        by_setting.setdefault(setting, []).append("/".join(filled.table.rows[row].labels))
+    if len(by_setting) == 1:
+        return f"Ours: {next(iter(by_setting))}."
+    return "Ours: " + "; ".join(f"row {', '.join(rows)}: {key}" for key, rows in by_setting.items()) + "."
+
+
+def _interval(gap: Estimate) -> str:
+    if math.isnan(gap.low):
+        return f"{gap.mean:.2f} without interval"
+    text = f"{gap.mean:.2f} ({gap.low:.2f} to {gap.high:.2f}".replace("-", "−")
+    return text + (")" if gap.resolved else ", unresolved)")
+
+
+def long_form(filled: Filled, paper: Paper) -> list[dict[str, object]]:
+    """One row for each number of the table: published, ours, half-width and the runs behind it."""
+    rows: list[dict[str, object]] = []
+    for index, row in enumerate(filled.table.rows):
+        for place, column in enumerate(filled.table.columns):
+            runs = filled.runs.get((index, place), [])
+            setting = filled.settings.get(index)
+            for line, name in enumerate(column.metrics):
+                metric, value = paper.metrics[name], filled.values.get((index, place, name))
+                rows.append(
+                    {
+                        "table": filled.table.number,
+                        "row": "/".join(row.labels),
+                        "column": column.label,
+                        "metric": metric.label,
+                        "unit": metric.unit,
+                        "published": row.values[place][line],
+                        "ours": value.mean if value else None,
+                        "half_width_95": value.half_width if value else None,
+                        "clips": value.clips if value else None,
+                        "seeds": len(runs),
+                        "state": "run" if value else filled.state(index, place, metric),
+                        "setting": str(setting) if runs else "",
+                        "runs": " ".join(run.id for run in runs),
+                    }
+                )
+    return rows
+
+
+def fact_sheets(paper: Paper) -> list[Sheet]:
+    """The tables that nothing here competes with, as they are in the paper."""
+    return [
+        Sheet(
+            name=f"facts{stem_of(fact.number)}",
+            title=_ended(f"{name_of(fact.number)} {paper.of}"),
+            groups=[],
+            headers=fact.headers,
+            rows=[[Text(cell) for cell in row] for row in fact.rows],
+            labels=len(fact.headers),
+            notes=[
+                _ended(fact.caption),
+                *(_ended(text) for text in (fact.note, fact.lost) if text),
+            ],
+        )
+        for fact in paper.facts
+    ]
+
+
+def picture_sheet(paper: Paper) -> list[Sheet]:
+    """The paper's pictures, and where ours are."""
+    rows = [
+        [
+            Text(name_of(item.number)),
+            Text(item.section),
+            Text(" ".join(_ended(text) for text in (item.title, item.note) if text)),
+            Text(PICTURES[item.ours], "muted" if item.ours == "none" else "plain"),
+        ]
+        for item in paper.pictures
+    ]
+    title = _ended(f"Pictures {paper.of}")
+    return [Sheet("pictures", title, [], ["where", "section", "what", "ours"], rows, 4)] if rows else []
+
+
+def _ended(sentence: str) -> str:
+    return sentence if sentence.endswith((".", "!", "?")) else f"{sentence}."

@@ -1,0 +1,208 @@
+"""What the papers conclude, judged by the paired statistics on our runs."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Literal
+
+from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Selection
+from supersampling.reporting.selection import choose_runs, pools_for
+from supersampling.reporting.settings import Choice, Setting
+from supersampling.runs.estimates import ClipTables, difference, logged, scene_differences
+from supersampling.runs.statistics import Estimate
+from supersampling.runs.store import Run
+
+Verdict = Literal["reproduced", "contradicted", "unresolved", "not run"]
+VERDICTS: tuple[Verdict, ...] = ("reproduced", "contradicted", "unresolved", "not run")
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A claim's runs, by the label of what they stand for (``a``, ``b``, or a step); none where nothing was run."""
+
+    claim: Claim
+    setting: Setting | None
+    runs: dict[str, list[Run]]
+
+    @property
+    def missing(self) -> list[str]:
+        return [label for label, runs in self.runs.items() if not runs]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a claim about several: the later less the earlier."""
+
+    label: str
+    difference: Estimate | None
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim and what our runs say: the effect ``a - b`` (of steps: last less first), on which scenes it holds, and why
+    it is unresolved or not run."""
+
+    chosen: Chosen
+    verdict: Verdict
+    effect: Estimate | None = None
+    steps: list[Step] = field(default_factory=list)
+    scenes: dict[str, bool] = field(default_factory=dict)
+    reason: str = ""
+
+    @property
+    def claim(self) -> Claim:
+        return self.chosen.claim
+
+    @property
+    def holds(self) -> str:
+        """``holds on 7 of 9; not on foundry, louvres``."""
+        if not self.scenes:
+            return ""
+        against = [scene for scene, held in self.scenes.items() if not held]
+        if len(against) == len(self.scenes):
+            return f"holds on none of {len(self.scenes)} scenes"
+        count = f"holds on {len(self.scenes) - len(against)} of {len(self.scenes)} scenes"
+        return count + (f"; not on {', '.join(against)}" if against else "")
+
+
+def choose_claim(claim: Claim, choice: Choice) -> Chosen:
+    """The runs that a claim compares: of one setting, agreeing in all that the claim does not name.
+
+    Of the settings that have any of them, the first that has most.
+    """
+    selections = claim.selections
+    best = Chosen(claim, None, {label: [] for label in selections})
+    for setting, pool in pools_for(choice, selections.values(), {}):
+        cells = choose_runs(pool, selections).cells
+        if sum(map(bool, cells.values())) > sum(map(bool, best.runs.values())):
+            best = Chosen(claim, setting, {label: cells[label] for label in selections})
+        if not best.missing:
+            break
+    return best
+
+
+def judge(chosen: Chosen, tables: ClipTables) -> Judged:
+    """The verdict: *reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin),
+    *contradicted* if wholly on the other, *unresolved* otherwise, *not run* where runs are missing.
+
+    A claim about steps is reproduced if every step is, and contradicted if any is.
+    """
+    claim, labels = chosen.claim, list(chosen.runs)
+    pairs = list(pairwise(labels))
+    found = [
+        _difference(chosen.runs[later], chosen.runs[earlier], claim, tables, claim.times) for earlier, later in pairs
+    ]
+    steps = [Step(f"{earlier} → {later}", value, side(claim, value)) for (earlier, later), value in zip(pairs, found)]
+    effect = _difference(chosen.runs[labels[-1]], chosen.runs[labels[0]], claim, tables)
+    verdict = _together([step.verdict for step in steps])
+    reason = _reason(chosen, steps, verdict)
+    if any(_same_runs(chosen.runs[one], chosen.runs[other]) for one, other in pairs):
+        verdict, reason = (
+            "unresolved",
+            "both sides are the same runs: what the claim names is not in their parameters",
+        )
+    scenes = _scenes(chosen, tables) if not chosen.missing else {}
+    return Judged(chosen, verdict, effect, steps if claim.stepwise else [], scenes, reason)
+
+
+def side(claim: Claim, value: Estimate | None) -> Verdict:
+    """On which side of the claim the interval of one difference lies; a logged number counts as its own interval."""
+    if value is None:
+        return "not run"
+    exact = claim.metric.startswith(RUN_METRIC)
+    low, high = (value.mean, value.mean) if exact else (value.low, value.high)
+    if math.isnan(low) or math.isnan(high):
+        return "unresolved"
+    if claim.margin is not None:
+        if -claim.margin < low and high < claim.margin:
+            return "reproduced"
+        return "contradicted" if low >= claim.margin or high <= -claim.margin else "unresolved"
+    if claim.kind in ("less", "falls"):
+        low, high = -high, -low
+    if low > 0:
+        return "reproduced"
+    return "contradicted" if high < 0 or (exact and high == 0) else "unresolved"
+
+
+def _together(verdicts: Sequence[Verdict]) -> Verdict:
+    """The first of these that any step has; reproduced if every step is."""
+    order: tuple[Verdict, ...] = ("contradicted", "not run", "unresolved")
+    return next((verdict for verdict in order if verdict in verdicts), "reproduced")
+
+
+def _difference(
+    ours: Sequence[Run], theirs: Sequence[Run], claim: Claim, tables: ClipTables, times: float = 1.0
+) -> Estimate | None:
+    """Ours, of a logged number ``times`` as much, less theirs."""
+    if not ours or not theirs:
+        return None
+    if not claim.metric.startswith(RUN_METRIC):
+        return difference(ours, theirs, claim.metric, tables)
+    one, other = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (ours, theirs))
+    if one is None or other is None:
+        return None
+    return Estimate(times * one.mean - other.mean, math.nan, math.nan, 0)
+
+
+def _scenes(chosen: Chosen, tables: ClipTables) -> dict[str, bool]:
+    """For each scene whether its mean differences have the claimed sign (of kind ``same``: lie within the margin)."""
+    claim, labels = chosen.claim, list(chosen.runs)
+    if claim.metric.startswith(RUN_METRIC):
+        return {}
+    means = [
+        scene_differences(chosen.runs[later], chosen.runs[earlier], claim.metric, tables)
+        for earlier, later in pairwise(labels)
+    ]
+    common = sorted(set.intersection(*map(set, means)))
+    return {scene: all(_claimed(claim, mean[scene]) for mean in means) for scene in common}
+
+
+def _claimed(claim: Claim, value: float) -> bool:
+    if claim.margin is not None:
+        return abs(value) < claim.margin
+    return value < 0 if claim.kind in ("less", "falls") else value > 0
+
+
+def _same_runs(one: Sequence[Run], other: Sequence[Run]) -> bool:
+    return bool(one) and {run.id for run in one} == {run.id for run in other}
+
+
+def _reason(chosen: Chosen, steps: Sequence[Step], verdict: Verdict) -> str:
+    """Why there is no clear verdict; for a contradiction by steps, which."""
+    claim = chosen.claim
+    if verdict == "not run":
+        if chosen.missing:
+            return _missing(chosen)
+        return f"the runs are there, but not all logged {claim.metric.removeprefix(RUN_METRIC)}"
+    of_steps = [step.label for step in steps if step.verdict == verdict] if claim.stepwise else []
+    named = f"at {', '.join(of_steps)}" if of_steps and verdict != "reproduced" else ""
+    if verdict != "unresolved":
+        return named
+    values = [step.difference for step in steps if step.verdict == verdict and step.difference is not None]
+    if any(math.isnan(value.low) for value in values):
+        why = "no interval: a single clip, or an infinite value"
+    elif claim.margin is not None:
+        why = f"the interval crosses ±{claim.margin:g}"
+    else:
+        why = "the interval holds 0"
+    return f"{why} {named}".strip()
+
+
+def _missing(chosen: Chosen) -> str:
+    """Which runs are missing, by what tells them from the claim's others, or whole where none is there."""
+    claim = chosen.claim
+    own = (
+        {step.label: step.select for step in claim.steps}
+        if claim.stepwise
+        else {"a": claim.a or {}, "b": claim.b or {}}
+    )
+    lacking = [text(own[label]) for label in own if label in chosen.missing]
+    whole = f" of {text(claim.base)}" if len(lacking) == len(own) and claim.base else ""
+    return f"no run{whole} with {', nor with '.join(lacking)}"
+
+
+def text(selection: Selection) -> str:
+    """A selection as one writes it on a command line."""
+    return " ".join(f"{name}={value}" for name, value in selection.items()) or "any parameters"

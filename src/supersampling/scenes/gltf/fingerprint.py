@@ -1,0 +1,24 @@
+"""What decides a glTF file's picture: its own bytes and those of every file that it refers to."""
+
+import hashlib
+from pathlib import Path
+
+from supersampling.scenes.gltf.document import MALFORMED, Document, malformed
+
+
+def fingerprint(path: Path) -> str:
+    """16 hex digits of the content of a ``.gltf`` or ``.glb`` file with its buffers and images, wherever it lies.
+
+    Raises:
+        UserError: not a readable glTF 2.0 file, or one of its files is missing or outside its folder.
+    """
+    try:
+        document = Document(path)
+        digest = hashlib.sha256(path.read_bytes())
+        for kind in ("buffers", "images"):
+            for index, item in enumerate(getattr(document.gltf, kind)):
+                if item.uri is not None and not item.uri.startswith("data:"):
+                    digest.update(document.resource(item.uri, f"{kind[:-1]} {index}"))
+        return digest.hexdigest()[:16]
+    except MALFORMED as error:
+        raise malformed(path.name, error) from error

@@ -1,0 +1,84 @@
+"""Where things stand: position, rotation and scale, and how they compose down a tree of nodes.
+
+SuperTuxKart (Irrlicht) is left-handed with y up; a scene here is right-handed with y up. ``MIRROR`` (z to -z) takes one to the
+other: points ``S p``, matrices ``S M S``.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supersampling.scenes.scene import Array, Transform
+from supersampling.scenes.stk.curves import Curve, read_curves
+
+Matrix = NDArray[np.float64]
+Triple = tuple[float, float, float]
+MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
+
+
+def triple(text: str | None, default: Triple) -> Triple:
+    """Three numbers of an attribute; ``default`` when it is absent or no triple."""
+    parts = (text or "").split()
+    return (float(parts[0]), float(parts[1]), float(parts[2])) if len(parts) == 3 else default
+
+
+def rotation(axis: int, degrees: float) -> Matrix:
+    """``(3, 3)`` rotation about the axis x, y or z (0, 1, 2), right-hand rule, column vectors."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    out = np.eye(3)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    out[i, i], out[i, j], out[j, i], out[j, j] = c, -s, s, c
+    return out
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A node under its parent, in SuperTuxKart's own space; ``degrees`` about x, y, z."""
+
+    position: Triple = (0.0, 0.0, 0.0)
+    degrees: Triple = (0.0, 0.0, 0.0)
+    scale: Triple = (1.0, 1.0, 1.0)
+    curves: Mapping[str, Curve] = field(default_factory=dict)
+
+    def matrix(self, seconds: float = 0.0) -> Matrix:
+        """``(4, 4)``. A still node turns about x, then y, then z; an animated one about x, then z, then y."""
+        position = self._channel("Loc", self.position, seconds)
+        x, y, z = (rotation(k, a) for k, a in enumerate(self._channel("Rot", self.degrees, seconds)))
+        out = np.eye(4)
+        # src/animations/three_d_animation.cpp: Blender's order of rotations for animated objects.
+        out[:3, :3] = (y @ z @ x if self.curves else z @ y @ x) * self._channel("Scale", self.scale, seconds)
+        out[:3, 3] = position
+        return out
+
+    def _channel(self, name: str, still: Triple, seconds: float) -> Matrix:
+        values = [
+            self.curves[name + axis].at(seconds) if name + axis in self.curves else value
+            for axis, value in zip("XYZ", still)
+        ]
+        return np.array(values)
+
+
+def read_placement(element: Element) -> Placement:
+    """Placement and curves of a scene node; the old syntax ``x y z h`` counts too."""
+    old = (float(element.get("x", 0)), float(element.get("y", 0)), float(element.get("z", 0)))
+    return Placement(
+        position=triple(element.get("xyz"), old),
+        degrees=triple(element.get("hpr"), (0.0, float(element.get("h", 0)), 0.0)),
+        scale=triple(element.get("scale"), (1.0, 1.0, 1.0)),
+        curves=read_curves(element),
+    )
+
+
+def world_transform(chain: tuple[Placement, ...]) -> Array | Transform:
+    """Object-to-world matrix of the last node of a chain from the root, right-handed: constant unless a node moves."""
+
+    def at(seconds: float) -> Array:
+        out = MIRROR
+        for placement in chain:
+            out = out @ placement.matrix(seconds)
+        return (out @ MIRROR).astype(np.float32)
+
+    return at if any(placement.curves for placement in chain) else at(0.0)
