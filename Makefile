@@ -19,7 +19,7 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@touch $@
 
 gl:
-	@$(PYTHON) scripts/system_packages.py libegl1 libgl1-mesa-dri
+	@$(PYTHON) scripts/system_packages.py libegl1 libgl1 libgl1-mesa-dri
 
 stk:
 	@$(PYTHON) scripts/system_packages.py supertuxkart-data

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from supersampling.render.stk import find_data
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -65,8 +67,6 @@ def test_a_broken_file(content, part, own, tmp_path):
     ("override", "part"),
     [
         ("scene=atrum", "There is no scene atrum"),
-        ("scene=stk/no_such_track", "no_such_track"),
-        ("scene=stk/../../etc", ".."),
         ("splits=[dev]", "dev"),
         ("task.jitter=hilbert", "hilbert"),
         ("data.test.window=[4,4]", "4"),
@@ -85,6 +85,23 @@ def test_render(override, part, tmp_path):
     assert not list(tmp_path.rglob("*.h5"))
 
 
+@pytest.mark.parametrize("name", ["no_such_track", "../../etc"])
+def test_no_such_track(name, tmp_path):
+    """The sentence depends on the game's data: the fake data of one track, and whatever this machine has."""
+    track = tmp_path / "game" / "tracks" / "lane"
+    track.mkdir(parents=True)
+    for file in ("scene.xml", "quads.xml"):
+        (track / file).write_text("<scene/>")
+    sentence = f"There is no SuperTuxKart track {name}"
+    status, said = run(tmp_path, "render.py", f"scene=stk/{name}", SUPERTUXKART_DATADIR=str(tmp_path / "game"))
+    assert (status, said.count("\n")) == (2, 1)
+    assert f"{sentence}: the tracks are lane." in said
+    status, said = run(tmp_path, "render.py", f"scene=stk/{name}", SUPERTUXKART_DATADIR="")
+    assert (status, said.count("\n")) == (2, 1)
+    assert ("SuperTuxKart's data are not installed" if find_data() is None else sentence) in said
+    assert not list(tmp_path.rglob("*.h5"))
+
+
 def test_no_game_data(tmp_path):
     status, said = run(tmp_path, "render.py", "scene=stk/zengarden", SUPERTUXKART_DATADIR=str(tmp_path / "none"))
     assert status == 2
@@ -92,11 +109,12 @@ def test_no_game_data(tmp_path):
 
 
 def test_no_opengl(tmp_path):
-    status, said = run(
-        tmp_path, "render.py", "data=smoke", "scene=atrium", __EGL_VENDOR_LIBRARY_FILENAMES="/nothing.json"
-    )
+    """Every library is installed, and a variable hides the driver: the sentence names the variable, no package."""
+    variable = "__EGL_VENDOR_LIBRARY_FILENAMES"
+    status, said = run(tmp_path, "render.py", "data=smoke", "scene=atrium", **{variable: "/nothing.json"})
     assert status == 2
-    assert "libegl1" in said
+    assert f"{variable}=/nothing.json" in said
+    assert "apt-get" not in said
     assert "Traceback" not in said
 
 

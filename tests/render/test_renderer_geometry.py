@@ -1,6 +1,5 @@
 """Where things appear: colour, depth and motion against ray-plane intersections done by hand."""
 
-import moderngl
 import numpy as np
 import pytest
 from analytic_scenes import (
@@ -230,16 +229,6 @@ def test_two_renderers_and_two_frames_give_the_same_bytes(sharp: Scene) -> None:
     for name in ALL:
         assert first[name].tobytes() == again[name].tobytes() == fresh[name].tobytes()
     assert target.tobytes() == fresh_target.tobytes()
-
-
-@pytest.mark.parametrize("reason", [Exception("cannot load libEGL"), OSError("libEGL.so.1"), ImportError("glcontext")])
-def test_no_opengl_says_what_to_install(reason: Exception, sharp: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise reason
-
-    monkeypatch.setattr(moderngl, "create_context", refuse)
-    with pytest.raises(UserError, match="libegl1"):
-        Renderer(sharp)
 
 
 def _letter() -> np.ndarray:

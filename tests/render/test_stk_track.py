@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import numpy as np
@@ -216,6 +217,18 @@ def test_missing_data_say_what_to_install(tmp_path: Path, monkeypatch: pytest.Mo
     write_track(tmp_path, "lane", "")
     assert find_data() == tmp_path
     assert load_track("lane").name == "stk/lane"
+
+
+@pytest.mark.parametrize("name", ["no_such_track", "../../etc", "lane"])
+def test_missing_track_and_missing_data_differ(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same name without the game's data, and with data that hold no such track."""
+    monkeypatch.delenv("SUPERTUXKART_DATADIR", raising=False)
+    monkeypatch.setattr("supersampling.render.stk.data._DEBIAN", tmp_path)
+    with pytest.raises(UserError, match=r"^SuperTuxKart's data are not installed: apt-get install supertuxkart-data"):
+        load_track(name)
+    write_track(tmp_path, "square", "")
+    with pytest.raises(UserError, match=f"^There is no SuperTuxKart track {re.escape(name)}: the tracks are square"):
+        load_track(name)
 
 
 def test_broken_xml_is_named(tmp_path: Path) -> None:

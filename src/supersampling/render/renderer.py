@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterator
 from types import TracebackType
 
-import moderngl
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -19,6 +18,7 @@ from supersampling.frames import BUFFERS
 from supersampling.ops.dual_motion import dual_motion
 from supersampling.render import matrices
 from supersampling.render.camera import Shot, Window
+from supersampling.render.context import open_context
 from supersampling.render.passes import EXTRACTED, Passes, View
 from supersampling.render.targets import Needs
 from supersampling.scenes.scene import Scene
@@ -32,19 +32,6 @@ _LIT = frozenset({"color", "radiance"})
 _REFERENCE = {"target": "color", "target_radiance": "radiance"}
 # High-resolution buffers that have no average: one sample at the pixel's centre.
 _CENTRED = frozenset({"high_depth", "high_motion", "high_normal", "high_object_id"})
-
-
-def open_context() -> moderngl.Context:
-    """An OpenGL 4.3 context without a screen, or a `UserError` that says what to install."""
-    try:
-        # The stub types each setting as a dictionary of settings.
-        return moderngl.create_context(standalone=True, backend="egl", require=430)  # type: ignore[arg-type]
-    except Exception as error:  # moderngl raises bare Exceptions, and OSError for a missing library
-        reason = str(error).strip().rstrip(".") or type(error).__name__
-        raise UserError(
-            f"No OpenGL 4.3 context without a screen could be opened ({reason}): "
-            "run `apt-get install libegl1 libgl1-mesa-dri`."
-        ) from None
 
 
 def _planes(image: NDArray[np.floating]) -> torch.Tensor:
