@@ -7,7 +7,8 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 LEVEL = {
-    "errors": 0, "entry": 0, "resolvers": 4, "ops": 0, "frames": 1, "losses": 2, "metrics": 2, "stages": 2, "data": 2,
+    "errors": 0, "entry": 0, "resolvers": 4, "pretrained": 0, "ops": 0, "frames": 1, "losses": 2, "metrics": 2,
+    "stages": 2, "data": 2,
     "models": 3, "render": 3, "show": 3, "training": 4, "profiling": 4, "reporting": 4, "deploy": 4, "evaluation": 4,
     "advice": 4, "stress": 4,
 }  # fmt: skip

@@ -12,7 +12,7 @@ from torchvision.models.vgg import cfgs, make_layers
 
 from supersampling.errors import UserError
 from supersampling.losses.base import Loss
-from supersampling.ops.pretrained import load_pretrained
+from supersampling.pretrained import load_pretrained
 
 # VGG-16's convolutions by block (Simonyan and Zisserman 2015, configuration D); all blocks but the first begin by a max-pool.
 _BLOCKS = (2, 2, 3, 3, 3)

@@ -10,8 +10,8 @@ from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
 from supersampling.models.dlctus import DLCTUS, STRIDE, WIDTH
-from supersampling.ops.native import dlctus as native
-from supersampling.ops.native.library import library
+from supersampling.models.native import dlctus as native
+from supersampling.models.native.library import library
 from supersampling.ops.resample import BOUNDARY
 from supersampling.stages.accumulate import AccumulationBuffer
 from supersampling.stages.confine import Sigmoid

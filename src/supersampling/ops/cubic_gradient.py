@@ -2,7 +2,7 @@
 
 The interpolation is a sparse matrix, 16 weights a row; its gradient is a product with the transpose. PyTorch
 scatters the same 16 values a pixel and channel one by one, which on one thread took 30% of a DLCTUS training step
-(``benchmarks/gradient.py`` compares the two). ``W H`` are the image's sides, ``N`` the number of positions.
+(``scripts/timing/gradient.py`` compares the two). ``W H`` are the image's sides, ``N`` the number of positions.
 """
 
 from typing import Any

@@ -8,8 +8,8 @@ import pytest
 import torch
 
 from supersampling.errors import UserError
-from supersampling.ops.native import dlctus as native
-from supersampling.ops.native import library as building
+from supersampling.models.native import dlctus as native
+from supersampling.models.native import library as building
 
 pytestmark = pytest.mark.skipif(shutil.which("c++") is None, reason="no C++ compiler")
 WIDTH = 32

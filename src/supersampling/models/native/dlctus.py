@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from supersampling.ops.native.library import library
+from supersampling.models.native.library import library
 from supersampling.ops.resample import pixel_centres
 
 SIDE, WIDTH = 4, 32
