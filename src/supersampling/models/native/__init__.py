@@ -1,1 +1,1 @@
-"""Passes in C++ for processors, compiled on first use; PyTorch's own operations do the same where there is no compiler."""
+"""DLCTUS in C++ for CPUs, compiled on first use; without a compiler, PyTorch's operations compute the same."""
