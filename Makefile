@@ -44,12 +44,12 @@ check: $(INSTALLED)
 	$(BIN)/mypy
 
 bench: setup
-	$(BIN)/python benchmarks/loop.py
-	$(BIN)/python benchmarks/step.py
-	$(BIN)/python benchmarks/dlctus.py
-	$(BIN)/python benchmarks/memory.py
-	$(BIN)/python benchmarks/gradient.py
-	$(BIN)/python benchmarks/render.py
+	$(BIN)/python scripts/timing/loop.py
+	$(BIN)/python scripts/timing/step.py
+	$(BIN)/python scripts/timing/dlctus.py
+	$(BIN)/python scripts/timing/memory.py
+	$(BIN)/python scripts/timing/gradient.py
+	$(BIN)/python scripts/timing/render.py
 
 clean:
 	rm -rf $(VENV) .pytest_cache .ruff_cache .mypy_cache

@@ -1,4 +1,4 @@
-"""Shared by all tests: pinned threads, and an analytic clip whose right answer is known in closed form."""
+"""Fixtures shared by all tests: pinned threads, and an analytic clip with a closed-form reference."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -29,7 +29,7 @@ def _pinned_threads() -> Iterator[None]:
 
 
 def pattern(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A colour for every point of the plane (target pixels), in [0, 1]: three plane waves a channel."""
+    """Return a colour in [0, 1] for every point of the plane (target pixels): three plane waves per channel."""
     waves = ((0.31, 0.17, 0.4), (-0.23, 0.37, 1.9), (0.11, -0.29, 3.1))
     channels = [0.5 + 0.15 * sum(np.sin(a * x * (1 + 0.2 * c) + b * y + p + c) for a, b, p in waves) for c in range(3)]
     return np.stack(channels, axis=-1)
@@ -43,9 +43,9 @@ def analytic_clip(
     velocity: tuple[float, float],
     jitter: NDArray[np.float32],
 ) -> dict[str, NDArray]:
-    """A plane that slides by ``velocity`` target pixels a frame, sampled in closed form: the usual buffers.
+    """Return the usual buffers of a plane that moves by ``velocity`` target pixels per frame, in closed form.
 
-    The target is the pattern at target pixel centres (it is smooth, so that box filtering changes next to nothing).
+    The target is the pattern at target pixel centres (it is so smooth that box filtering has almost no effect).
     """
     clip: dict[str, list[NDArray]] = {name: [] for name in ("color", "depth", "motion", "jitter", "target")}
     for t in range(frames):
@@ -65,38 +65,39 @@ def analytic_clip(
 
 @pytest.fixture(scope="session")
 def make_file() -> Callable[..., Path]:
-    """Writes a data set file of analytic clips: ``make_file(folder, split, clips=, frames=, size=, scale=)``."""
+    """Return a function that writes analytic clips: ``make_file(folder, split, clips=, frames=, size=, scale=)``."""
     from supersampling.render.jitter import jitter_sequence
 
     def make(
         folder: Path, split: str = "train", clips: int = 2, frames: int = 8, size: int = 48, scale: int = 4
     ) -> Path:
         spec = CaptureSpec(
-            "analytic",
-            split,
-            clips,
-            frames,
-            frames,
-            (size, size),
-            (size, size),
-            scale,
-            "thesis",
-            "matched",
-            1,
-            0,
-            1,
+            scene="analytic",
+            split=split,
+            clips=clips,
+            frames=frames,
+            targets=frames,
+            frame=(size, size),
+            window=(size, size),
+            scale=scale,
+            jitter="thesis",
+            mip_bias="matched",
+            samples=1,
+            seed=0,
+            candidates=1,
         )
         sequence = jitter_sequence("thesis", scale)
         rng = np.random.default_rng(len(split))
-        made = [analytic_clip(frames, size, size, scale, tuple(rng.uniform(-3, 3, 2)), sequence) for _ in range(clips)]
+        velocities = [tuple(rng.uniform(-3, 3, 2)) for _ in range(clips)]
+        buffers = [analytic_clip(frames, size, size, scale, velocity, sequence) for velocity in velocities]
         path = folder / spec.file_name
         parts = [folder / f"{split}_{k}.clip" for k in range(clips)]
-        for part, clip in zip(parts, made):
+        for part, clip in zip(parts, buffers):
             with ClipWriter(part, dict.fromkeys(clip, frames)) as writer:
                 for name, values in clip.items():
                     for image in values:
                         writer.add(name, image)
-        join_clips(path, spec, parts, frozenset(made[0]), {"renderer": "closed form"})
+        join_clips(path, spec, parts, frozenset(buffers[0]), {"renderer": "closed form"})
         for part in parts:
             part.unlink()
         return path
@@ -106,7 +107,7 @@ def make_file() -> Callable[..., Path]:
 
 @pytest.fixture
 def entry() -> Iterator[Callable[..., DictConfig]]:
-    """The configuration that an entry point's function gets: ``entry("evaluate", "scene=atrium", ...)``."""
+    """Return a function that composes an entry point's configuration: ``entry("evaluate", "scene=atrium", ...)``."""
 
     def make(name: str, *overrides: str) -> DictConfig:
         GlobalHydra.instance().clear()
@@ -123,7 +124,7 @@ def entry() -> Iterator[Callable[..., DictConfig]]:
 
 @pytest.fixture
 def vgg(monkeypatch: pytest.MonkeyPatch) -> None:
-    """VGG-16 of 13 convolutions of one random channel each, in place of the pretrained one, which is no part of a test."""
+    """Replace the pretrained VGG-16 by 13 random convolutions of one channel each: tests do not download weights."""
     from supersampling.losses import perceptual
 
     torch.manual_seed(0)
@@ -134,7 +135,7 @@ def vgg(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="session")
 def raft_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder for ``TORCH_HOME`` that holds random weights under the names of RAFT's pretrained ones."""
+    """Return a folder for ``TORCH_HOME`` with random weights under the file names of pretrained RAFT."""
     from torchvision.models import get_model, get_model_weights
 
     home = tmp_path_factory.mktemp("torch")
@@ -149,5 +150,5 @@ def raft_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def raft(raft_home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Random weights where RAFT's pretrained ones are looked for."""
+    """Use random weights in place of pretrained RAFT."""
     monkeypatch.setenv("TORCH_HOME", str(raft_home))

@@ -19,7 +19,7 @@ from hydra.errors import InstantiationException
 from hydra.utils import instantiate
 
 from supersampling.errors import UserError
-from supersampling.frames import BUFFERS, Frame, length_of
+from supersampling.frames import BUFFERS, Frame, clip_length
 
 CONF = Path(__file__).resolve().parents[2] / "conf"
 # What a yaml says and no contract hangs on: a narrow kernel-predicting network, as budgets have it.
@@ -139,8 +139,8 @@ def clip(names, scale=2, frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torc
 def run(model, buffers, state=None):
     """Outputs ``(B, T, 3, H, W)`` of a clip, all of whose buffers are handed in; and the state after each frame."""
     outputs, states = [], []
-    for t in range(length_of(buffers)):
-        output, state = model(Frame.of(buffers, t), state)
+    for t in range(clip_length(buffers)):
+        output, state = model(Frame.from_clip(buffers, t), state)
         outputs.append(output)
         states.append(state)
     return torch.stack(outputs, dim=1), states
@@ -149,5 +149,5 @@ def run(model, buffers, state=None):
 def shown(model, buffers, outputs=None):
     """What is displayed of a clip, ``(B, T, 3, H, W)``."""
     outputs = run(model, buffers)[0] if outputs is None else outputs
-    images = [model.present(outputs[:, t], Frame.of(buffers, t)) for t in range(outputs.shape[1])]
+    images = [model.present(outputs[:, t], Frame.from_clip(buffers, t)) for t in range(outputs.shape[1])]
     return torch.stack(images, dim=1)

@@ -8,7 +8,7 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 ROOMS = (  # from the bottom up
-    "errors", "ops", "frames", "metrics", "losses", "stages", "models", "data", "scenes", "render", "show", "evaluation",
+    "errors", "ops", "frames", "pretrained", "metrics", "losses", "stages", "models", "data", "scenes", "render", "show", "evaluation",
     "deploy", "runs", "profiling", "training", "advice", "stress", "reporting", "commands",
 )  # fmt: skip
 LEVEL = {room: level for level, room in enumerate(ROOMS)}

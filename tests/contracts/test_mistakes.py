@@ -6,7 +6,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from supersampling.render.stk import find_data
 
 ROOT = Path(__file__).resolve().parents[2]

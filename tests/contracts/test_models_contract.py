@@ -140,7 +140,7 @@ def test_a_detached_state_goes_on_as_the_state_does(variant):
     for got, expected in zip(tensors(states), tensors((second, third)), strict=True):
         assert torch.equal(got, expected)
     with torch.no_grad():
-        advanced = model.advance(Frame.of(buffers, 1), copied)
+        advanced = model.advance(Frame.from_clip(buffers, 1), copied)
     for got, expected in zip(tensors((copied, advanced)), tensors((kept, second)), strict=True):
         assert torch.equal(got, expected)
 

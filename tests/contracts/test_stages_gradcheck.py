@@ -177,7 +177,7 @@ def test_a_model_s_gradient_through_time(name):
     def outputs(color, along):
         moved, made, state = {k: p + along * way[k] for k, p in weights.items()}, [], None
         for t in range(2):
-            output, state = functional_call(model, moved, (Frame.of(buffers | {key: color}, t), state))
+            output, state = functional_call(model, moved, (Frame.from_clip(buffers | {key: color}, t), state))
             made.append(output)
         return torch.stack(made)
 

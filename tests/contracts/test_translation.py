@@ -29,8 +29,8 @@ ESTIMATED = {
 
 def last(model, buffers):
     """The output of the second of two frames."""
-    state = model.advance(Frame.of(buffers, 0), None)
-    return model(Frame.of(buffers, 1), state)[0]
+    state = model.advance(Frame.from_clip(buffers, 0), None)
+    return model(Frame.from_clip(buffers, 1), state)[0]
 
 
 def moved(values):

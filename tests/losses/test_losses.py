@@ -28,19 +28,19 @@ def test_spatiotemporal_is_equation_54_on_separately_warped_images(theta):
     grid = torch.nn.functional.affine_grid(identity, [b, 3, height, width], align_corners=False)
     for t in range(1, frames):
         fine = torch.nn.functional.interpolate(motion[:, t], scale_factor=2, mode="bilinear")
-        where = grid + 2.0 * fine.permute(0, 2, 3, 1)
-        before = [
-            torch.nn.functional.grid_sample(x[:, t - 1], where, padding_mode="border", align_corners=False)
+        positions = grid + 2.0 * fine.permute(0, 2, 3, 1)
+        previous = [
+            torch.nn.functional.grid_sample(x[:, t - 1], positions, padding_mode="border", align_corners=False)
             for x in (outputs, targets)
         ]
-        x, y = outputs[:, t] - targets[:, t], before[0] - before[1]
+        x, y = outputs[:, t] - targets[:, t], previous[0] - previous[1]
         total += (x.abs() + y.abs() + theta * ((x - y).abs() - x.abs() - y.abs())).mean().item()
     loss = SpatioTemporal(theta)
     assert loss(outputs, targets, {"motion": motion}).item() == pytest.approx(total / (frames - 1), rel=1e-9)
     assert (loss.requires, loss.previous) == ({"motion"}, 1)
 
 
-def test_a_constant_error_costs_space_but_not_time():
+def test_constant_error_is_spatial_but_not_temporal():
     _, targets, motion = clip()
     still = torch.zeros_like(motion)
     assert SpatioTemporal(1.0)(targets + 0.1, targets, {"motion": still}).item() == pytest.approx(0.0, abs=1e-12)
@@ -56,6 +56,6 @@ def test_gradient_reaches_the_previous_frame():
 
 
 @pytest.mark.parametrize("theta", [-0.1, 1.01, float("nan")])
-def test_theta_out_of_range_is_refused(theta):
-    with pytest.raises(UserError, match="theta"):
+def test_theta_out_of_range_is_rejected(theta):
+    with pytest.raises(UserError, match=f"Invalid loss.theta={theta}"):
         SpatioTemporal(theta)

@@ -9,7 +9,7 @@ from supersampling.losses import MaskedTemporal
 
 
 def bilinear(image, x, y):
-    """``image (C, H, W)`` at a position in pixels whose centres are at + 0.5; the border is repeated."""
+    """Interpolate ``image (C, H, W)`` at a position in pixels, whose centres are at + 0.5; the border is repeated."""
     _, height, width = image.shape
     x, y = min(max(x - 0.5, 0.0), width - 1.0), min(max(y - 0.5, 0.0), height - 1.0)
     j, i = math.floor(x), math.floor(y)
@@ -20,7 +20,7 @@ def bilinear(image, x, y):
 
 
 def by_loops(outputs, motion, dual, scale, threshold, beta):
-    """Equations 6 and 7 and the mask of section 3.2, pixel by pixel."""
+    """Evaluate equations 6 and 7 and the mask of section 3.2 pixel by pixel."""
     values = []
     for clip, vectors, duals in zip(outputs, motion, dual):
         for t in range(1, len(clip)):
@@ -28,11 +28,11 @@ def by_loops(outputs, motion, dual, scale, threshold, beta):
             h, w = height // scale, width // scale
             for i in range(height):
                 for j in range(width):
-                    at = (j + 0.5) / scale, (i + 0.5) / scale
-                    here, other = bilinear(vectors[t], *at), bilinear(duals[t], *at)
-                    hidden = abs(other[0] - here[0]) * w >= threshold or abs(other[1] - here[1]) * h >= threshold
-                    before = bilinear(clip[t - 1], j + 0.5 + here[0] * width, i + 0.5 + here[1] * height)
-                    for a, b in zip(before, clip[t][:, i, j]):
+                    position = (j + 0.5) / scale, (i + 0.5) / scale
+                    (x, y), (dual_x, dual_y) = bilinear(vectors[t], *position), bilinear(duals[t], *position)
+                    hidden = abs(dual_x - x) * w >= threshold or abs(dual_y - y) * h >= threshold
+                    previous = bilinear(clip[t - 1], j + 0.5 + x * width, i + 0.5 + y * height)
+                    for a, b in zip(previous, clip[t][:, i, j]):
                         d = 0.0 if hidden else a - b
                         values.append(d * d / (2 * beta) if abs(d) < beta else abs(d) - beta / 2)
     return np.mean(values)
@@ -47,38 +47,39 @@ def clip(b=2, frames=3, h=3, w=4, scale=2):
 
 
 @pytest.mark.parametrize(("threshold", "beta"), [(0.1, 1.0), (0.02, 0.3)])
-def test_it_is_equation_7(threshold, beta):
+def test_loss_equals_equation_7(threshold, beta):
     outputs, motion, dual = clip()
     frames = {"motion": torch.from_numpy(motion), "motion_dual": torch.from_numpy(dual)}
     loss = MaskedTemporal(threshold, beta)
     value = loss(torch.from_numpy(outputs), torch.zeros(outputs.shape), frames).item()
     expected = by_loops(outputs, motion, dual, 2, threshold, beta)
     assert value == pytest.approx(expected, rel=1e-9)
-    assert value < by_loops(outputs, motion, motion, 2, threshold, beta)  # some pixels are hidden
+    # Some pixels are hidden.
+    assert value < by_loops(outputs, motion, motion, 2, threshold, beta)
     assert (loss.requires, loss.previous) == ({"motion", "motion_dual"}, 1)
 
 
-def test_what_is_hidden_and_what_stands_still_cost_nothing():
+def test_hidden_and_static_pixels_cost_nothing():
     outputs, motion, _ = (torch.from_numpy(x) for x in clip())
     hidden = {"motion": motion, "motion_dual": motion + 1.0}
     assert MaskedTemporal(0.1, 1.0)(outputs, outputs, hidden).item() == 0.0
     still = {"motion": torch.zeros_like(motion), "motion_dual": torch.zeros_like(motion)}
-    same = outputs[:, :1].expand_as(outputs).clone().requires_grad_()
-    loss = MaskedTemporal(0.1, 1.0)(same, outputs, still)
+    static = outputs[:, :1].expand_as(outputs).clone().requires_grad_()
+    loss = MaskedTemporal(0.1, 1.0)(static, outputs, still)
     loss.backward()
     assert loss.item() == 0.0
-    assert same.grad.isfinite().all()
+    assert static.grad.isfinite().all()
 
 
 @pytest.mark.parametrize("threshold", [0.0, -0.1, float("nan")])
-def test_mistakes(threshold):
-    with pytest.raises(UserError, match="threshold"):
+def test_invalid_parameters_are_rejected(threshold):
+    with pytest.raises(UserError, match=f"Invalid threshold={threshold}"):
         MaskedTemporal(threshold, 1.0)
-    with pytest.raises(UserError, match="beta"):
+    with pytest.raises(UserError, match="Invalid beta=0"):
         MaskedTemporal(0.1, 0.0)
 
 
-def test_motion_that_is_nan_leaves_a_finite_loss_and_gradient():
+def test_nan_motion_gives_a_finite_loss_and_gradient():
     torch.manual_seed(0)
     outputs = torch.rand(1, 2, 3, 8, 8, requires_grad=True)
     motion = torch.zeros(1, 2, 2, 4, 4)

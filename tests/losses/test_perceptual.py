@@ -16,7 +16,7 @@ NAMED = ("relu1_2", "relu2_2", "relu3_3", "relu4_3", "relu5_3")
 
 
 def tiny():
-    """VGG-16 with 2 to 4 channels instead of 64 to 512; every second bias lets some units through, others not."""
+    """Return weights and biases of a VGG-16 with 2 to 4 channels instead of 64 to 512; random biases, half negative."""
     rng = np.random.default_rng(0)
     widths = [3, *([2] * 2), *([3] * 2), *([4] * 9)]
     return [(rng.normal(size=(b, a, 3, 3)) / 3, rng.normal(size=b) * 0.3) for a, b in pairwise(widths)]
@@ -29,9 +29,9 @@ def small(monkeypatch):
 
 
 def activations(image):
-    """Every layer of the tiny network by scipy's correlation, for an image ``(3, H, W)``."""
+    """Compute every layer of the tiny network by scipy's correlation, for an image ``(3, H, W)``."""
     x = (image - np.array(MEAN)[:, None, None]) / np.array(DEVIATION)[:, None, None]
-    found = {}
+    layers = {}
     for name, (kernel, bias) in zip(LAYERS, tiny()):
         if name in ("relu2_1", "relu3_1", "relu4_1", "relu5_1"):
             c, h, w = x.shape
@@ -39,12 +39,12 @@ def activations(image):
         x = np.stack(
             [sum(correlate2d(x[a], k[a], mode="same") for a in range(len(x))) + b for k, b in zip(kernel, bias)]
         )
-        x = found[name] = np.maximum(x, 0.0)
-    return found
+        x = layers[name] = np.maximum(x, 0.0)
+    return layers
 
 
 @pytest.mark.parametrize("layers", [NAMED, ("relu2_2",), ("relu3_1", "relu1_1")])
-def test_it_is_equation_1_with_means_for_norms(small, layers):
+def test_loss_equals_equation_1_with_means_as_norms(small, layers):
     rng = np.random.default_rng(1)
     x, y = rng.random((2, 2, 2, 3, 19, 34))
     expected = 0.0
@@ -57,14 +57,14 @@ def test_it_is_equation_1_with_means_for_norms(small, layers):
     assert (loss.requires, loss.previous) == (frozenset(), 0)
 
 
-def test_nothing_of_it_is_learned_or_saved(small):
+def test_weights_are_neither_learned_nor_saved(small):
     loss = Sum({"perceptual": lambda: Perceptual(NAMED, "any")}, {"perceptual": 0.1})
     assert not list(loss.parameters())
     assert not loss.state_dict()
     assert len(list(loss.buffers())) == 2 + 2 * 13
 
 
-def test_gradients_reach_the_output_alone_and_are_finite_at_equal_images(small):
+def test_gradients_reach_only_the_output_and_are_finite_for_equal_images(small):
     torch.manual_seed(0)
     y = torch.rand(1, 2, 3, 16, 16, requires_grad=True)
     x = y.detach().clone().requires_grad_()
@@ -77,8 +77,8 @@ def test_gradients_reach_the_output_alone_and_are_finite_at_equal_images(small):
     assert x.grad.abs().max() > 0
 
 
-def test_the_layers_are_torchvision_s():
-    """Names and order against torchvision's own network, weights drawn here."""
+def test_layers_equal_torchvision():
+    """Names and order agree with torchvision's network with random weights."""
     torch.manual_seed(0)
     layers = make_layers(cfgs["D"])
     convolutions = [m for m in layers if isinstance(m, torch.nn.Conv2d)]
@@ -87,13 +87,13 @@ def test_the_layers_are_torchvision_s():
     image = torch.rand(1, 3, 32, 32)
     with torch.no_grad(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(perceptual, "pretrained", lambda weights: network)
-        found = Perceptual(NAMED, "any").features(image)
-        # The indices that torchvision users know as relu1_2, relu2_2, relu3_3, relu4_3 and relu5_3.
-        for index, ours in zip((3, 8, 15, 22, 29), found):
-            torch.testing.assert_close(ours, layers[: index + 1](image))
+        features = Perceptual(NAMED, "any").features(image)
+        # The usual indices in torchvision of relu1_2, relu2_2, relu3_3, relu4_3 and relu5_3.
+        for index, feature in zip((3, 8, 15, 22, 29), features):
+            torch.testing.assert_close(feature, layers[: index + 1](image))
 
 
-def test_weights_that_cannot_be_had_are_named(monkeypatch, tmp_path):
+def test_failed_download_names_file_and_folder(monkeypatch, tmp_path):
     def offline(*args, **kwargs):
         raise OSError("<urlopen error no route to host>")
 
@@ -103,8 +103,8 @@ def test_weights_that_cannot_be_had_are_named(monkeypatch, tmp_path):
         Perceptual(NAMED, "IMAGENET1K_V1")
 
 
-@pytest.mark.parametrize("content", [b"", b"half a download", None], ids=["empty", "broken", "of another network"])
-def test_a_broken_file_is_named(monkeypatch, tmp_path, content):
+@pytest.mark.parametrize("content", [b"", b"half a download", None], ids=["empty", "corrupt", "different network"])
+def test_corrupt_file_is_named(monkeypatch, tmp_path, content):
     path = tmp_path / "hub" / "checkpoints" / "vgg16-397923af.pth"
     path.parent.mkdir(parents=True)
     if content is None:
@@ -116,7 +116,7 @@ def test_a_broken_file_is_named(monkeypatch, tmp_path, content):
         Perceptual(NAMED, "IMAGENET1K_V1")
 
 
-def test_a_file_that_is_there_is_read(monkeypatch, tmp_path):
+def test_existing_file_is_loaded(monkeypatch, tmp_path):
     path = tmp_path / "hub" / "checkpoints" / "vgg16-397923af.pth"
     path.parent.mkdir(parents=True)
     torch.manual_seed(0)
@@ -132,17 +132,17 @@ def test_a_file_that_is_there_is_read(monkeypatch, tmp_path):
     assert sum(k.numel() + b.numel() for k, b in network.convolutions) == 14_714_688
 
 
-def test_mistakes(small):
+def test_invalid_layers_and_crops_are_rejected(small):
     with pytest.raises(UserError, match="relu6_1"):
         Perceptual(["relu6_1"], "any")
     with pytest.raises(UserError, match="layers"):
         Perceptual([], "any")
     image = torch.zeros(1, 1, 3, 15, 40)
-    with pytest.raises(UserError, match="16x16 pixels, got 40x15"):
+    with pytest.raises(UserError, match="Crops of 40x15 pixels are too small .* at least 16"):
         Perceptual(NAMED, "any")(image, image, {})
     assert Perceptual(["relu4_3"], "any")(image, image, {}).item() == 0.0
 
 
-def test_unknown_weights_are_refused():
+def test_unknown_weights_are_rejected():
     with pytest.raises(UserError, match="IMAGENET1K_V1"):
         Perceptual(NAMED, "IMAGENET22K")

@@ -16,7 +16,7 @@ def smooth(d, beta):
 
 
 @pytest.mark.parametrize(
-    ("loss", "of"),
+    ("loss", "expected_loss"),
     [
         (L1(), abs),
         (MSE(), lambda d: d * d),
@@ -25,14 +25,14 @@ def smooth(d, beta):
     ],
     ids=["l1", "mse", "smooth_l1", "smooth_l1 0.2"],
 )
-def test_it_is_the_mean_over_values(loss, of):
+def test_loss_is_the_mean_over_values(loss, expected_loss):
     x, y = pair()
-    expected = np.mean([of(a - b) for a, b in zip(x.ravel(), y.ravel())])
+    expected = np.mean([expected_loss(a - b) for a, b in zip(x.ravel(), y.ravel())])
     assert loss(torch.from_numpy(x), torch.from_numpy(y), {}).item() == pytest.approx(expected, rel=1e-12)
     assert (loss.requires, loss.previous) == (frozenset(), 0)
 
 
 @pytest.mark.parametrize("beta", [0.0, -1.0, float("nan"), float("inf")])
-def test_beta_out_of_range_is_refused(beta):
-    with pytest.raises(UserError, match=f"got {beta}"):
+def test_beta_out_of_range_is_rejected(beta):
+    with pytest.raises(UserError, match=f"Invalid beta={beta}"):
         SmoothL1(beta)

@@ -13,7 +13,7 @@ from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
 from supersampling.metrics.suite import Moment, Suite
-from supersampling.ops.display import displayed
+from supersampling.ops.display import radiance_to_display
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "metrics.md"
 SSIMS = {"ssim", "ssim_uniform11", "mssim_thesis"}
@@ -47,7 +47,7 @@ def tensor(image):
 
 
 def shown(radiance):
-    return displayed(tensor(radiance))[0].numpy()
+    return radiance_to_display(tensor(radiance))[0].numpy()
 
 
 def display_scores(output, target):

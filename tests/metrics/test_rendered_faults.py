@@ -1,6 +1,6 @@
 """Faults put into a rendered clip: each is seen by the metric that is there for it, and some metrics are blind to some.
 
-The faults, and what blind means, are those of benchmarks/blind.py, which makes the table in docs/metrics.md.
+The faults, and what blind means, are those of scripts/timing/blind.py, which makes the table in docs/metrics.md.
 """
 
 import runpy
@@ -23,7 +23,7 @@ from supersampling.metrics.video.strred import StRred
 from supersampling.metrics.video.vmaf import Vmaf
 from supersampling.metrics.video.warping import DualMotion, WarpingError
 
-table = SimpleNamespace(**runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "blind.py")))
+table = SimpleNamespace(**runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "timing" / "blind.py")))
 
 COUNT = 6
 CATCHES = {

@@ -43,6 +43,6 @@ def run(model, buffers):
     given = {name: buffer for name, buffer in buffers.items() if name in model.requires}
     outputs, state = [], None
     for t in range(given["color"].shape[1]):
-        output, state = model(Frame.of(given, t), state)
+        output, state = model(Frame.from_clip(given, t), state)
         outputs.append(output)
     return torch.stack(outputs, dim=1), state

@@ -50,7 +50,7 @@ def clip(frames=3, b=2, h=5, w=6, motion=0.1, jitter=1.0, seed=0, dtype=torch.fl
 def run(model, buffers):
     outputs, state = [], None
     for t in range(buffers["depth"].shape[1]):
-        output, state = model(Frame.of(buffers, t), state)
+        output, state = model(Frame.from_clip(buffers, t), state)
         outputs.append(output)
     return torch.stack(outputs, dim=1), state
 

@@ -20,7 +20,7 @@ def test_zero_motion_hands_the_history_on_to_the_bit(grid):
     model, buffers = enss(3, motion_grid=grid), clip(motion=0.0)
     given, state = [], run(model, {k: v[:, :1] for k, v in buffers.items()})[1]
     model.network.register_forward_pre_hook(lambda _, inputs: given.append(inputs[0]))
-    model(Frame.of(buffers, 1), state)
+    model(Frame.from_clip(buffers, 1), state)
     assert torch.equal(given[0][:, 6:], F.pixel_unshuffle(state[0], 3))
 
 
@@ -125,7 +125,7 @@ def test_a_history_that_is_not_finite_counts_as_zero(value):
     states = [(state[0].clone(), *state[1:]) for _ in range(2)]
     states[0][0][:] = value
     states[1][0].zero_()
-    (got, after), (expected, _) = (model(Frame.of(buffers, 1), s) for s in states)
+    (got, after), (expected, _) = (model(Frame.from_clip(buffers, 1), s) for s in states)
     assert got.isfinite().all()
     assert after[0].isfinite().all()
     assert torch.equal(got, expected)

@@ -63,7 +63,7 @@ def run(model, buffers):
     given = {name: values for name, values in buffers.items() if name in model.requires}
     outputs, state = [], None
     for t in range(buffers["radiance"].shape[1]):
-        output, state = model(Frame.of(given, t), state)
+        output, state = model(Frame.from_clip(given, t), state)
         outputs.append(output)
     return torch.stack(outputs, dim=1)
 
@@ -110,7 +110,7 @@ def test_a_switch_that_is_off_leaves_no_parameters_and_no_inputs():
     bare = nsrd(demodulate=Radiance, motion_mask=NoMotionMask, recur=NotRecurrent)
     assert bare.requires == {"radiance", "depth", "normal", "motion"}
     assert bare.compares == {"target_radiance"}
-    _, state = bare(Frame.of(clip(), 0), None)
+    _, state = bare(Frame.from_clip(clip(), 0), None)
     assert state.carried == state.located == ()
 
 

@@ -63,7 +63,7 @@ def test_a_training_step_changes_every_weight(overrides):
         # Of the 4 units inside an attention all may be below 0 for every image: the published width.
         assert "attention" in name or not torch.equal(old, new), name
     for t in range(3):
-        image = model.present(torch.randn(2, 3, 8 * model.scale, 9 * model.scale), Frame.of(given, t))
+        image = model.present(torch.randn(2, 3, 8 * model.scale, 9 * model.scale), Frame.from_clip(given, t))
         assert image.min() >= 0.0
         assert image.max() <= 1.0
 

@@ -82,9 +82,9 @@ def test_samples_of_a_sliding_plane_land_where_the_plane_is_now():
 @torch.no_grad()
 def test_zero_motion_leaves_the_window_as_it_was():
     model, buffers = nsrr(3, 2, width=4), clip(frames=3, motion=0.0)
-    _, first = model(Frame.of(buffers, 0), None)
-    _, second = model(Frame.of(buffers, 1), first)
-    _, third = model(Frame.of(buffers, 2), second)
+    _, first = model(Frame.from_clip(buffers, 0), None)
+    _, second = model(Frame.from_clip(buffers, 1), first)
+    _, third = model(Frame.from_clip(buffers, 2), second)
     assert torch.equal(second[0][:, 12:], first[0][:, :12])
     assert torch.equal(third[0][:, 12:], second[0][:, :12])
     assert third[0].shape == (2, 24, 15, 18)
@@ -206,7 +206,7 @@ def test_half_precision_keeps_a_state_of_full_precision(warp_at):
 @torch.no_grad()
 def test_exports_to_a_graph(warp_at):
     model, buffers = nsrr(2, 2, width=4, warp_at=warp_at).eval(), clip(frames=2, b=1)
-    _, state = model(Frame.of(buffers, 0), None)
+    _, state = model(Frame.from_clip(buffers, 0), None)
     inputs = tuple(values[:, 1] for values in buffers.values())
 
     class Step(torch.nn.Module):
@@ -219,6 +219,6 @@ def test_exports_to_a_graph(warp_at):
 
     exported = torch.export.export(Step(), (*inputs, state)).module()
     output, after = exported(*inputs, state)
-    expected, expected_after = model(Frame.of(buffers, 1), state)
+    expected, expected_after = model(Frame.from_clip(buffers, 1), state)
     torch.testing.assert_close(output, expected)
     torch.testing.assert_close(after, expected_after)

@@ -11,7 +11,7 @@ from nsrr_plainly import clip, nsrr, run, transcribed
 
 from supersampling.errors import UserError
 from supersampling.frames import Frame
-from supersampling.ops.display import displayed
+from supersampling.ops.display import radiance_to_display
 from supersampling.stages.colour_space import RGB, YCbCr
 from supersampling.stages.demodulate import Demodulated, Radiance
 from supersampling.stages.guides import GBuffers
@@ -78,9 +78,9 @@ def test_a_perfect_output_is_shown_as_the_target_s_radiance(demodulate, colour_s
     model = nsrr(2, 1, width=4, demodulate=demodulate, colour_space=colour_space)
     buffers = lit()
     compared = model.reference(only(buffers, model.compares))
-    frame = Frame.of(only(buffers, model.requires), 1)
+    frame = Frame.from_clip(only(buffers, model.requires), 1)
     shown = model.present(compared[:, 1], frame)
-    torch.testing.assert_close(shown, displayed(buffers["target_radiance"][:, 1]), rtol=0, atol=1e-5)
+    torch.testing.assert_close(shown, radiance_to_display(buffers["target_radiance"][:, 1]), rtol=0, atol=1e-5)
     assert compared.max() > 1.0
 
 
@@ -124,7 +124,7 @@ def test_every_option_composes_reads_what_it_says_and_trains_a_step(model_of, ov
         optimizer.step()
         losses.append(loss.item())
     assert losses[1] < losses[0]
-    shown = model.present(outputs[:, -1], Frame.of(given, 2))
+    shown = model.present(outputs[:, -1], Frame.from_clip(given, 2))
     assert shown.min() >= 0.0
     assert shown.max() <= 1.0
 
@@ -149,7 +149,7 @@ def test_exports_to_a_graph_with_light_and_guides():
     model = nsrr(2, 2, width=4, demodulate=Demodulated(), guides=GBuffers(["normal"])).eval()
     buffers = lit(frames=2, b=1)
     names = sorted(n for n in model.requires if not n.startswith("high_"))
-    _, state = model(Frame.of(only(buffers, names), 0), None)
+    _, state = model(Frame.from_clip(only(buffers, names), 0), None)
     inputs = tuple(buffers[name][:, 1] for name in names)
 
     class Step(torch.nn.Module):
@@ -162,6 +162,6 @@ def test_exports_to_a_graph_with_light_and_guides():
 
     exported = torch.export.export(Step(), (inputs, state)).module()
     output, after = exported(inputs, state)
-    expected, expected_after = model(Frame.of(only(buffers, names), 1), state)
+    expected, expected_after = model(Frame.from_clip(only(buffers, names), 1), state)
     torch.testing.assert_close(output, expected)
     torch.testing.assert_close(after, expected_after)

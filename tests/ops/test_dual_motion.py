@@ -1,4 +1,4 @@
-"""Dual motion vectors on squares that slide over a plane, where the disoccluded band is known to the pixel."""
+"""Tests of dual motion vectors on squares that slide over a plane, where the disoccluded pixels are known exactly."""
 
 import pytest
 import torch
@@ -11,10 +11,10 @@ SIZE, MARGIN = 48, 12
 def sliding_square(
     step: tuple[int, int], start: tuple[int, int], side: int, background: tuple[int, int]
 ) -> tuple[torch.Tensor, ...]:
-    """A square at depth 2 that moves by ``step`` whole pixels before a plane at depth 5 that moves by ``background``.
+    """Render a square at depth 2 that moves by ``step`` pixels in front of a plane at depth 5 moving by ``background``.
 
-    Returns motion, depth then, jitter, forward, depth seen (as `dual_motion` takes them) and the band: the plane's pixels whose
-    points lay behind the square in the previous frame.
+    Returns the first five arguments of `dual_motion`, and the disoccluded band: the pixels of the plane whose points
+    were behind the square in the previous frame.
     """
 
     def inside(offset: tuple[int, int], margin: int) -> torch.Tensor:
@@ -41,19 +41,20 @@ CASES = [((5, 0), (0, 0)), ((-3, 2), (0, 0)), ((4, -6), (1, 2)), ((0, 0), (3, 0)
 
 
 @pytest.mark.parametrize(("step", "background"), CASES)
-def test_it_differs_on_the_disoccluded_band_and_nowhere_else(step, background):
+def test_vectors_differ_only_on_the_disoccluded_band(step, background):
     *inputs, band = sliding_square(step, (16, 18), 12, background)
     dual = dual_motion(*inputs, MARGIN)
     marked = ((dual - inputs[0]).abs() >= 0.1).any(dim=1)[0]
-    moves_apart = step != background
-    assert bool(band.any()) == moves_apart
+    relative_motion = step != background
+    assert bool(band.any()) == relative_motion
     torch.testing.assert_close(marked, band)
-    if moves_apart:  # in the band it is the occluder's own motion
+    if relative_motion:
+        # In the band, the vector is the occluder's motion.
         expected = -torch.tensor(step, dtype=torch.float32)
         torch.testing.assert_close(dual[0][:, band], expected[:, None].expand(2, int(band.sum())))
 
 
-def test_jitter_within_the_pixel_changes_nothing_of_a_whole_pixel_motion():
+def test_jitter_within_the_pixel_does_not_change_the_band():
     *inputs, band = sliding_square((5, 3), (16, 18), 12, (0, 0))
     for jitter in ((0.49, -0.49), (-0.5, 0.3)):
         inputs[2] = torch.tensor([jitter])
@@ -61,26 +62,27 @@ def test_jitter_within_the_pixel_changes_nothing_of_a_whole_pixel_motion():
         torch.testing.assert_close(marked, band)
 
 
-def test_a_slanted_plane_does_not_hide_itself():
+def test_slanted_plane_does_not_occlude_itself():
     """A plane at a steep angle, with a motion that changes from pixel to pixel: nothing is occluded."""
     column = torch.arange(SIZE + 2 * MARGIN, dtype=torch.float32)
     inverse = (0.02 + 0.01 * column).expand(SIZE + 2 * MARGIN, -1)
-    seen = (1.0 / inverse)[None, None]
+    visible_depth = (1.0 / inverse)[None, None]
     motion = torch.zeros(1, 2, SIZE, SIZE)
     motion[:, 0] = torch.linspace(-4.4, 4.4, SIZE)
     rows = torch.arange(SIZE) + 0.5
-    place = MARGIN - 0.5 + rows + motion[0, 0, 0]
-    then = (1.0 / (0.02 + 0.01 * place)).expand(SIZE, -1)[None, None]
-    forward = torch.zeros(1, 2, *seen.shape[2:])
-    dual = dual_motion(motion, then, torch.zeros(1, 2), forward, seen, MARGIN)
+    position = MARGIN - 0.5 + rows + motion[0, 0, 0]
+    previous_depth = (1.0 / (0.02 + 0.01 * position)).expand(SIZE, -1)[None, None]
+    forward = torch.zeros(1, 2, *visible_depth.shape[2:])
+    dual = dual_motion(motion, previous_depth, torch.zeros(1, 2), forward, visible_depth, MARGIN)
     torch.testing.assert_close(dual, motion, rtol=0, atol=0)
 
 
-def test_out_of_the_image_behind_the_camera_and_in_the_sky_both_are_equal():
+def test_vectors_are_equal_outside_the_image_behind_the_camera_and_in_the_sky():
     *inputs, _ = sliding_square((5, 0), (16, 18), 12, (0, 0))
     far = inputs[0].clone()
     far[:, :, 0] = 1000.0
-    inputs[1][:, :, 1] = -3.0  # behind the previous camera
+    # Behind the previous camera.
+    inputs[1][:, :, 1] = -3.0
     inputs[0] = far
     dual = dual_motion(*inputs, MARGIN)
     assert torch.isfinite(dual).all()

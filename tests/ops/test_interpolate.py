@@ -9,7 +9,7 @@ from supersampling.ops.interpolate import check_cubic, sample_bicubic5, sample_b
 
 
 def cubic_kernel(t, a):
-    """Keys 1981, eq 15, with the free parameter left in."""
+    """Evaluate Keys 1981, eq 15, with the free parameter ``a``."""
     t = abs(t)
     if t <= 1.0:
         return (a + 2) * t**3 - (a + 3) * t**2 + 1
@@ -47,18 +47,18 @@ def test_bicubic_kernels_equal_the_loops(a, height, width):
     torch.testing.assert_close(five, bicubic_by_loops(image, grid, a, drop_corners=True))
 
 
-def test_nine_fetches_meet_grid_sample_at_its_own_parameter():
+def test_nine_fetches_equal_grid_sample_at_its_parameter():
     image, grid = torch.rand(2, 4, 9, 11), torch.rand(2, 8, 8, 2) * 2.4 - 1.2
-    ours = sample_bicubic9(image, grid, -0.75 + 1e-9)
-    theirs = F.grid_sample(image, grid, mode="bicubic", padding_mode="border", align_corners=False)
-    torch.testing.assert_close(ours, theirs, rtol=0, atol=5e-6)
+    result = sample_bicubic9(image, grid, -0.75 + 1e-9)
+    torch.testing.assert_close(result, grid_sample(image, grid), rtol=0, atol=5e-6)
 
 
 @pytest.mark.parametrize("size", [(9, 11), (1, 1), (2, 7)])
-def test_the_gradient_of_the_cubic_kernel_is_that_of_the_loops(size):
+def test_gradient_of_cubic_kernel_equals_the_loops(size):
     image = torch.rand(2, 3, *size, requires_grad=True)
     grid = torch.rand(2, 8, 6, 2) * 2.6 - 1.3
-    grid[0, 0, 0], grid[0, 0, 1] = 1e30, -torch.inf  # far out: the border pixel, or nothing to be had
+    # Far outside: the border pixel, or NaN.
+    grid[0, 0, 0], grid[0, 0, 1] = 1e30, -torch.inf
     grid[1, 1, 1] = torch.tensor([1.0, -1.0])
     result = sample_bicubic9(image, grid, -0.75)
     assert torch.equal(result.nan_to_num(), grid_sample(image, grid).nan_to_num())
@@ -66,16 +66,16 @@ def test_the_gradient_of_the_cubic_kernel_is_that_of_the_loops(size):
     finite = grid.abs() < 1e3
     grid = torch.where(finite, grid, 1.0)
     grad = torch.randn(2, 3, 8, 6)
-    (ours,) = torch.autograd.grad(sample_bicubic9(image, grid, -0.75), image, grad)
+    (gradient,) = torch.autograd.grad(sample_bicubic9(image, grid, -0.75), image, grad)
     exact = image.detach().double().requires_grad_()
     by_loops = torch.stack(
         [bicubic_by_loops(exact[k : k + 1], grid[k].double(), -0.75, drop_corners=False) for k in range(2)]
     )
     (expected,) = torch.autograd.grad(by_loops, exact, grad.double())
-    torch.testing.assert_close(ours, expected.float(), rtol=1e-4, atol=2e-5)
+    torch.testing.assert_close(gradient, expected.float(), rtol=1e-4, atol=2e-5)
 
 
-def test_a_position_that_is_no_number_spoils_no_memory():
+def test_positions_that_are_not_finite_do_not_corrupt_memory():
     image = torch.rand(1, 1, 4, 4, requires_grad=True)
     grid = torch.tensor([float("nan"), float("inf"), -1e38, 0.0]).view(1, 1, 2, 2)
     sample_bicubic9(image, grid, -0.75).sum().backward()
@@ -87,6 +87,6 @@ def grid_sample(image, grid):
 
 
 @pytest.mark.parametrize("a", [0.5, -1.5, float("nan")])
-def test_a_cubic_parameter_out_of_range_is_refused(a):
+def test_cubic_parameter_out_of_range_is_rejected(a):
     with pytest.raises(UserError, match=str(a)):
         check_cubic(a)

@@ -4,7 +4,7 @@ import torch
 from supersampling.ops.motion_mask import motion_mask
 
 
-def test_either_axis_is_measured_in_low_resolution_pixels():
+def test_both_axes_are_measured_in_low_resolution_pixels():
     torch.manual_seed(0)
     h, w = 5, 8
     offset = torch.rand(3, 2, 2 * h, 2 * w) * 0.06 - 0.03
@@ -20,11 +20,11 @@ def test_either_axis_is_measured_in_low_resolution_pixels():
 
 @pytest.mark.parametrize(("pixels", "expected"), [(0.0, 0.0), (0.0999, 0.0), (0.1001, 1.0), (-0.1001, 1.0)])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_the_threshold(axis, pixels, expected):
+def test_threshold(axis, pixels, expected):
     offset = torch.zeros(1, 2, 3, 3)
     offset[0, axis] = pixels / 3
     assert (motion_mask(offset, (3, 3)) == expected).all()
 
 
-def test_it_takes_the_type_of_its_input():
+def test_mask_has_the_type_of_its_input():
     assert motion_mask(torch.zeros(1, 2, 1, 1).double(), (1, 1)).dtype == torch.float64

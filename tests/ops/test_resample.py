@@ -18,7 +18,7 @@ JITTERS = torch.tensor([[0.0, 0.0], [-0.5, -0.5], [0.375, -0.125], [-0.2, 0.49]]
 
 
 def sampled_ramp(jitter, h, w):
-    """A linear signal, different in x and y, seen by one sample a pixel at centre + jitter."""
+    """Sample a linear signal, different in x and y, once per pixel at centre + jitter."""
     x = torch.arange(w, dtype=torch.float64) + 0.5 + jitter[:, 0, None, None]
     y = torch.arange(h, dtype=torch.float64)[:, None] + 0.5 + jitter[:, 1, None, None]
     return torch.stack(((0.1 + 0.02 * x).expand(-1, h, -1), 0.3 + 0.01 * x + 0.03 * y), dim=1)
@@ -37,12 +37,12 @@ def test_jitter_alignment_restores_a_ramp(scale, mode, border):
     aligned = jitter_aligned_upsample(sampled_ramp(JITTERS, h, w), JITTERS, scale, mode)
     inside = (..., slice(edge, -edge), slice(edge, -edge))
     expected = target_ramp(h, w, scale).expand_as(aligned)
-    # The cubic kernel of a = -0.75 does not reproduce ramps between centres: it is off by up to 0.05 steps.
+    # The cubic kernel with a = -0.75 does not reproduce ramps between centres: its error is up to 0.05 steps.
     tolerance = 1e-12 if mode == "bilinear" else 0.05 * 0.04
     torch.testing.assert_close(aligned[inside], expected[inside], rtol=0, atol=tolerance)
 
 
-def test_the_wrong_jitter_sign_misses_the_ramp():
+def test_wrong_sign_of_jitter_misses_the_ramp():
     h, w, scale = 8, 9, 4
     wrong = jitter_aligned_upsample(sampled_ramp(JITTERS, h, w), -JITTERS, scale)
     error = (wrong - target_ramp(h, w, scale))[:, 0, 4:-4, 4:-4].abs().amax((1, 2))
@@ -51,7 +51,7 @@ def test_the_wrong_jitter_sign_misses_the_ramp():
 
 
 @pytest.mark.parametrize("scale", [1, 2, 3, 4, 5, 6])
-def test_zero_upsampling_puts_each_sample_where_it_was_taken(scale):
+def test_zero_upsampling_keeps_the_position_of_samples(scale):
     h, w = 3, 2
     just_below = torch.nextafter(torch.tensor(0.5), torch.tensor(0.0)).item()
     jitter = torch.tensor([[0.0, 0.0], [-0.5, just_below], [0.3, -0.4]])
@@ -67,19 +67,19 @@ def test_zero_upsampling_puts_each_sample_where_it_was_taken(scale):
 
 
 @pytest.mark.parametrize("scale", [2, 3, 4, 5, 6])
-def test_a_sample_on_a_boundary_goes_where_exact_arithmetic_puts_it(scale):
-    """Halton's thirds: of float32, of jitter that was stored in half precision, and a rounding step to either side."""
+def test_samples_on_a_boundary_follow_exact_arithmetic(scale):
+    """Halton's thirds in float32, stored in half precision, and a rounding step to either side."""
     jitter = torch.from_numpy(jitter_sequence("halton16", scale))
     inside = [[Fraction(v + 0.5).limit_denominator(81) for v in row] for row in jitter.double().tolist()]
     exact = [[math.floor(v * scale) for v in row] for row in inside]
     ones = torch.ones(len(jitter), 1, 1, 1)
     infinity = torch.full_like(jitter, torch.inf)
-    for known in (jitter, jitter.half().float(), jitter.nextafter(infinity), jitter.nextafter(-infinity)):
-        found = zero_upsample(ones, known, scale)[:, 0].nonzero()
-        assert found[:, [2, 1]].tolist() == exact
+    for rounded in (jitter, jitter.half().float(), jitter.nextafter(infinity), jitter.nextafter(-infinity)):
+        positions = zero_upsample(ones, rounded, scale)[:, 0].nonzero()
+        assert positions[:, [2, 1]].tolist() == exact
 
 
-def test_motion_upsampling_keeps_image_units():
+def test_upsampled_motion_keeps_image_units():
     x = (torch.arange(8, dtype=torch.float64) + 0.5) / 8
     motion = torch.stack((0.3 * x, -0.2 * x)).view(1, 2, 1, 8).expand(1, 2, 6, 8)
     fine = (torch.arange(24, dtype=torch.float64) + 0.5) / 24
@@ -124,6 +124,6 @@ def test_gaussian_reconstruction_survives_underflow():
 
 
 @pytest.mark.parametrize("scale", [0, -2, 1.5])
-def test_a_scale_that_is_none_is_refused(scale):
+def test_invalid_scale_is_rejected(scale):
     with pytest.raises(UserError, match=str(scale)):
         check_scale(scale)

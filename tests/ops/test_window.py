@@ -7,7 +7,7 @@ from supersampling.ops.window import gaussian_mean
 
 
 @pytest.mark.parametrize(("window", "sigma", "shape"), [(11, 1.5, (2, 3, 14, 17)), (5, 0.8, (6, 5)), (1, 1.0, (2, 2))])
-def test_it_is_scipy_s_inside_whole_windows(window, sigma, shape):
+def test_mean_equals_scipy_in_full_windows(window, sigma, shape):
     maps = np.random.default_rng(0).normal(size=shape)
     r = window // 2
     filtered = gaussian_filter(maps, sigma, radius=r, axes=(-2, -1))
@@ -15,7 +15,7 @@ def test_it_is_scipy_s_inside_whole_windows(window, sigma, shape):
     np.testing.assert_allclose(gaussian_mean(torch.from_numpy(maps), window, sigma).numpy(), expected, rtol=1e-12)
 
 
-def test_its_derivatives():
+def test_derivatives():
     torch.manual_seed(0)
     maps = torch.randn(2, 6, 7, dtype=torch.float64, requires_grad=True)
     assert torch.autograd.gradcheck(lambda x: gaussian_mean(x, 5, 1.5), (maps,))

@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from supersampling.frames import Frame
-from supersampling.ops.display import displayed
+from supersampling.ops.display import radiance_to_display
 from supersampling.stages.demodulate import Demodulated, DisplayColour, LoggedLighting, Radiance
 
 
@@ -29,15 +29,15 @@ def test_a_perfect_output_is_presented_as_the_display_of_the_target():
         reference = stage.reference(given)
         assert reference.shape == clip["target_radiance"].shape
         for t in range(4):
-            image = stage.present(reference[:, t], Frame.of(given, t))
-            torch.testing.assert_close(image, displayed(clip["target_radiance"][:, t]))
+            image = stage.present(reference[:, t], Frame.from_clip(given, t))
+            torch.testing.assert_close(image, radiance_to_display(clip["target_radiance"][:, t]))
 
 
 def test_negative_outputs_are_no_light_and_do_not_darken_emission():
     emission = light(1, 3, 2, 2)
     frame = Frame(high_material=torch.ones_like(emission), high_emission=emission)
     shown = Demodulated().present(-torch.ones_like(emission), frame)
-    assert torch.equal(shown, displayed(emission))
+    assert torch.equal(shown, radiance_to_display(emission))
 
 
 def test_logged_lighting_is_a_logarithm_of_lighting_that_no_output_overflows():
@@ -62,7 +62,7 @@ def test_display_colour_is_shown_as_it_is_within_its_range():
     clip = {"color": light(2, 3, 3, 4, 4), "target": light(2, 3, 3, 8, 8)}
     assert stage.requires == {"color"}
     assert stage.compares == {"target"}
-    assert torch.equal(stage(Frame.of(clip, 1)), clip["color"][:, 1])
+    assert torch.equal(stage(Frame.from_clip(clip, 1)), clip["color"][:, 1])
     assert torch.equal(stage.reference(clip), clip["target"])
     beyond = torch.tensor([-0.5, 0.0, 0.3, 1.0, 1.5])
     assert stage.present(beyond, Frame()).tolist() == torch.tensor([0.0, 0.0, 0.3, 1.0, 1.0]).tolist()

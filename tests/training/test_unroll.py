@@ -104,7 +104,7 @@ def test_outputs_are_those_of_the_plain_loop_in_half_precision(name, clip):
 def test_the_state_of_a_step_is_the_same_without_its_output(model, clip):
     state = None
     for t in range(FRAMES):
-        frame = Frame.of(clip, t)
+        frame = Frame.from_clip(clip, t)
         alone, (_, state) = model.advance(frame, state), model(frame, state)
         a, b = tree_leaves(alone), tree_leaves(state)
         assert len(a) == len(b)

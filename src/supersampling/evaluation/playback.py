@@ -16,7 +16,7 @@ from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
-from supersampling.ops.display import displayed
+from supersampling.ops.display import radiance_to_display
 
 Clips = Sequence[Sequence[Path]]
 """A file for every frame of every clip, in the order in which they are scored."""
@@ -76,7 +76,7 @@ class RadianceImages(_Images):
         return torch.from_numpy(image).permute(2, 0, 1)
 
     def shown(self, image: Tensor) -> Tensor:
-        return displayed(image)
+        return radiance_to_display(image)
 
     def radiance(self, image: Tensor) -> Tensor:
         return image

@@ -80,7 +80,7 @@ def _score_clip(
     with metrics.of_clips.begin() as whole:
         for t, buffers in enumerate(clips.read_frames(index)):
             batch = {name: values[None].to(device) for name, values in buffers.items()}
-            frame = Frame.of(batch, 0)
+            frame = Frame.from_clip(batch, 0)
             made, state = model(frame, state)
             target = batch["target"][:, 0]
             output = protocol.prepare(model.present(made, frame), target)

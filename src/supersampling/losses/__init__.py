@@ -1,4 +1,4 @@
-"""Training losses over a clip's counted frames; any of them can be a term of a weighted sum."""
+"""Training losses over the counted frames of a clip; each can be a term of a weighted sum."""
 
 from supersampling.losses.base import Loss
 from supersampling.losses.perceptual import Perceptual

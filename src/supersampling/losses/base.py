@@ -1,4 +1,4 @@
-"""What every training loss is."""
+"""Base class of training losses."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -7,12 +7,12 @@ from torch import Tensor, nn
 
 
 class Loss(nn.Module, ABC):
-    """``forward(outputs, targets, frames) -> scalar``.
+    """Training loss: ``forward(outputs, targets, frames) -> scalar``.
 
-    ``outputs`` and ``targets`` are ``(B, previous + K, 3, H, W)``: the ``K`` frames that count, after the ``previous`` frames
-    that the loss looks back to, in the method's own domain (`models.base.Upsampler.reference`), which may be unbounded.
-    ``frames`` holds the same frames' low-resolution buffers ``(B, previous + K, C, h, w)``; ``requires`` names those that are
-    read. A loss has nothing to learn and leaves nothing in a checkpoint.
+    ``outputs`` and ``targets`` are ``(B, previous + K, 3, H, W)``: the ``previous`` frames that the loss looks back to,
+    followed by the ``K`` counted frames, in the domain of the method (`models.base.Upsampler.reference`), which may be
+    unbounded. ``frames`` maps the names of low-resolution buffers of the same frames to ``(B, previous + K, C, h, w)``;
+    ``requires`` names the buffers that are read. A loss has no parameters and saves nothing in a checkpoint.
     """
 
     requires: frozenset[str]
@@ -22,5 +22,5 @@ class Loss(nn.Module, ABC):
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor: ...
 
     def terms(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> dict[str, Tensor]:
-        """The parts by name, each with its weight; their sum is the loss."""
+        """Return the weighted terms by name; their sum is the loss."""
         return {type(self).__name__: self(outputs, targets, frames)}

@@ -12,16 +12,17 @@ from torchvision.models.vgg import cfgs, make_layers
 
 from supersampling.errors import UserError
 from supersampling.losses.base import Loss
-from supersampling.ops.pretrained import load_pretrained
+from supersampling.pretrained import load_pretrained
 
-# VGG-16's convolutions by block (Simonyan and Zisserman 2015, configuration D); all blocks but the first begin by a max-pool.
+# VGG-16's convolutions by block (Simonyan and Zisserman 2015, configuration D); all blocks but the first start with a
+# max-pool.
 _BLOCKS = (2, 2, 3, 3, 3)
 LAYERS = tuple(f"relu{b}_{k}" for b, n in enumerate(_BLOCKS, 1) for k in range(1, n + 1))
 
 
 @dataclass(frozen=True)
 class Pretrained:
-    """The 13 convolutions' ``(weight, bias)`` in order, and the mean and deviation that inputs are normalised by."""
+    """``(weight, bias)`` of the 13 convolutions in order, and the mean and deviation that normalise inputs."""
 
     convolutions: tuple[tuple[Tensor, Tensor], ...]
     mean: tuple[float, ...]
@@ -30,31 +31,31 @@ class Pretrained:
 
 @cache
 def pretrained(weights: str) -> Pretrained:
-    """VGG-16 by torchvision's own path, which downloads it once.
+    """Load VGG-16 through torchvision, which downloads it once.
 
     Raises:
-        UserError: there are no such weights, or they cannot be had; it says which file goes where.
+        UserError: the weights do not exist or cannot be loaded; the message says which file to put where.
     """
     layers = make_layers(cfgs["D"])
-    entry = load_pretrained(layers, "vgg16", weights, "The perceptual loss", "leave the term out", prefix="features.")
-    made = [m for m in layers if isinstance(m, torch.nn.Conv2d)]
-    pairs = tuple((m.weight.detach(), m.bias.detach()) for m in made if m.bias is not None)
+    entry = load_pretrained(layers, "vgg16", weights, "The perceptual loss", "remove the term", prefix="features.")
+    convolutions = [m for m in layers if isinstance(m, torch.nn.Conv2d)]
+    pairs = tuple((m.weight.detach(), m.bias.detach()) for m in convolutions if m.bias is not None)
     preset = entry.transforms()
     return Pretrained(pairs, tuple(preset.mean), tuple(preset.std))
 
 
 @final
 class Perceptual(Loss):
-    """The perceptual term of Xiao et al. 2020, eq 1: ``sum over layers of |conv_i(x) - conv_i(y)|^2`` in VGG-16.
+    """Perceptual term of Xiao et al. 2020, eq 1: ``sum over layers of |conv_i(x) - conv_i(y)|^2`` in VGG-16.
 
-    The paper sums five layers and refers to Johnson et al. 2016 for which; these name four, relu1_2, relu2_2, relu3_3 and
-    relu4_3: the last of each block. The fifth is taken to be the fifth block's, relu5_3. Each square is a mean over the
-    layer's values, as in Johnson et al., equation 2 (a plain sum, as equation 1 may be read, would leave nothing of the SSIM
-    beside it). Images are taken for RGB in [0, 1] and normalised as the weights want it; values of other domains go in as
-    they are (the paper, too, feeds YCbCr when its output is).
+    The paper sums five layers and refers to Johnson et al. 2016 for their names; that paper names four, relu1_2,
+    relu2_2, relu3_3 and relu4_3: the last of each block. The fifth is assumed to be relu5_3, the last of the fifth
+    block. Each square is a mean over the layer's values, as in Johnson et al., equation 2 (a plain sum, as equation 1
+    may be read, would make the SSIM term negligible). Images are treated as RGB in [0, 1] and normalised as the weights
+    require; values of other domains are used unchanged (the paper, too, feeds YCbCr when its output is YCbCr).
 
     Args:
-        layers: some of `LAYERS`.
+        layers: names from `LAYERS`, at least one.
         weights: a name in ``torchvision.models.VGG16_Weights``.
     """
 
@@ -67,11 +68,11 @@ class Perceptual(Loss):
         super().__init__()
         unknown = [name for name in layers if name not in LAYERS]
         if unknown or not layers:
-            raise UserError(f"layers={list(layers)} of the perceptual loss: use some of {', '.join(LAYERS)}.")
+            raise UserError(f"Invalid layers={list(layers)} of the perceptual loss: use some of {', '.join(LAYERS)}.")
         network = pretrained(weights)
         self.layers = frozenset(layers)
         self._run = LAYERS[: max(LAYERS.index(name) for name in layers) + 1]
-        # Buffers that are not persistent: they follow the device, and stay out of checkpoints and optimizers.
+        # Non-persistent buffers follow the device and stay out of checkpoints and optimizers.
         self.register_buffer("mean", torch.tensor(network.mean)[:, None, None], persistent=False)
         self.register_buffer("deviation", torch.tensor(network.deviation)[:, None, None], persistent=False)
         for name, (kernel, bias) in zip(self._run, network.convolutions):
@@ -80,27 +81,27 @@ class Perceptual(Loss):
 
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
         height, width = outputs.shape[-2:]
-        least = 2 ** (int(self._run[-1][4]) - 1)
-        if min(height, width) < least:
+        smallest = 2 ** (int(self._run[-1][4]) - 1)
+        if min(height, width) < smallest:
             raise UserError(
-                f"{self._run[-1]} of VGG-16 needs crops of at least {least}x{least} pixels, got {width}x{height}: raise "
-                "budget.crop, or leave the layer out."
+                f"Crops of {width}x{height} pixels are too small for layer {self._run[-1]} of VGG-16: "
+                f"set budget.crop to at least {smallest}, or remove the layer."
             )
-        # Not in half precision under autocast: near the target, the features' difference is below its rounding.
+        # Use float32 under autocast: half precision would round away the features' difference near the target.
         with torch.autocast(outputs.device.type, enabled=False):
             with torch.no_grad():
-                wanted = self.features(targets.flatten(0, 1).float())
-            made = self.features(outputs.flatten(0, 1).float())
-            return torch.stack([F.mse_loss(a, b) for a, b in zip(made, wanted)]).sum()
+                target_features = self.features(targets.flatten(0, 1).float())
+            output_features = self.features(outputs.flatten(0, 1).float())
+            return torch.stack([F.mse_loss(a, b) for a, b in zip(output_features, target_features)]).sum()
 
     def features(self, images: Tensor) -> list[Tensor]:
-        """The chosen layers' activations of images ``(B, 3, H, W)``, in the network's order."""
+        """Return the selected layers' activations of images ``(B, 3, H, W)``, in the network's order."""
         x = (images - self.mean) / self.deviation
-        found = []
+        activations = []
         for name in self._run:
             if name.endswith("_1") and name != LAYERS[0]:
                 x = F.max_pool2d(x, 2)
             x = F.relu(F.conv2d(x, getattr(self, f"{name}_kernel"), getattr(self, f"{name}_bias"), padding=1))
             if name in self.layers:
-                found.append(x)
-        return found
+                activations.append(x)
+        return activations

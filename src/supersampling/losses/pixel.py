@@ -1,4 +1,4 @@
-"""Losses that compare pixel with pixel."""
+"""Losses that compare images pixel by pixel."""
 
 from collections.abc import Mapping
 from typing import final
@@ -34,10 +34,12 @@ class MSE(Loss):
 
 @final
 class SmoothL1(Loss):
-    """``d^2 / (2 beta)`` below ``beta``, ``|d| - beta / 2`` from there on; the first term of Li et al. 2024, eq 6.
+    """Smooth L1, the first term of Li et al. 2024, eq 6.
+
+    ``d^2 / (2 beta)`` where ``|d| < beta``, otherwise ``|d| - beta / 2``.
 
     Args:
-        beta: above 0, in the method's domain. The paper gives none: 1, as in the Fast R-CNN paper that it cites.
+        beta: positive, in the method's domain. The paper does not give it: 1, as in the Fast R-CNN paper that it cites.
     """
 
     requires = frozenset[str]()
@@ -52,7 +54,9 @@ class SmoothL1(Loss):
 
 
 def check_beta(beta: float) -> float:
-    """``beta`` itself; raises `UserError` unless it is above 0 (at 0 the loss is an L1, which has a name)."""
+    """Return ``beta``; raise `UserError` unless it is positive and finite (the limit at 0 is `L1`)."""
     if not 0.0 < beta < float("inf"):
-        raise UserError(f"beta of smooth L1 must be above 0, got {beta}; 1 is the default, and l1 the limit at 0.")
+        raise UserError(
+            f"Invalid beta={beta} of smooth L1: use a positive number (default 1), or loss l1, the limit at 0."
+        )
     return beta

@@ -1,4 +1,4 @@
-"""Losses between one frame and the next, which follow the motion."""
+"""Losses between consecutive frames along the motion."""
 
 from collections.abc import Mapping
 from typing import final
@@ -18,12 +18,11 @@ from supersampling.ops.warp import finite_motion, warp
 
 @final
 class SpatioTemporal(Loss):
-    """The linearised spatio-temporal loss (Swensen 2021, eqs 54 and 55): ``|x| + |y| + theta (|x - y| - |x| -
-    |y|)``.
+    """Linearised spatio-temporal loss (Swensen 2021, eqs 54 and 55): ``|x| + |y| + theta (|x - y| - |x| - |y|)``.
 
-    ``x`` is the frame's error, ``y`` the previous frame's, warped here. ``theta = 0`` is spatial only, and
-    twice an L1 in size; towards 1 only changes of the error count, and at 1 nothing ties the output to the
-    target.
+    ``x`` is the frame's error, ``y`` the previous frame's error, warped to this frame. ``theta = 0`` is spatial only,
+    and twice as large as L1; as ``theta`` approaches 1, only changes of the error count, and at 1 nothing ties the
+    output to the target.
     """
 
     requires = frozenset({"motion"})
@@ -32,28 +31,31 @@ class SpatioTemporal(Loss):
     def __init__(self, theta: float) -> None:
         super().__init__()
         if not 0.0 <= theta <= 1.0:
-            raise UserError(f"loss.theta must lie in [0, 1], got {theta}; the thesis tries 0.1, 0.5 and 0.9.")
+            raise UserError(
+                f"Invalid loss.theta={theta}: use a number between 0 and 1 (the thesis tries 0.1, 0.5 and 0.9)."
+            )
         self.theta = theta
 
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
         motion = frames["motion"]
         error = outputs - targets
-        carried = carry_error(error[:, :-1].flatten(0, 1), motion[:, 1:].flatten(0, 1))
-        return spatiotemporal_error(error[:, 1:].flatten(0, 1), carried, self.theta).mean()
+        warped = carry_error(error[:, :-1].flatten(0, 1), motion[:, 1:].flatten(0, 1))
+        return spatiotemporal_error(error[:, 1:].flatten(0, 1), warped, self.theta).mean()
 
 
 @final
 class MaskedTemporal(Loss):
-    """NSRD's temporal loss (Li et al. 2024, eq 7): smooth L1 between the previous output, warped here, and the output, both
-    times the inverse motion mask ``M``, of vectors that are upsampled bilinearly first; the mean is over all pixels, hidden
-    ones too.
+    """NSRD's temporal loss (Li et al. 2024, eq 7).
 
-    The paper leaves open: whether gradients reach the previous output (here they do), and what becomes of pixels that were
-    out of the image (here its border is repeated, and their vectors are equal, so that they count).
+    Smooth L1 between the warped previous output and the output, both multiplied by the inverse motion mask ``M`` of
+    vectors that are first upsampled bilinearly. The mean is over all pixels, including hidden ones.
+
+    The paper does not specify whether gradients reach the previous output (here they do), nor how to treat pixels that
+    were outside the image (here the border is repeated, and their two vectors are equal, so that they count).
 
     Args:
-        threshold: low-resolution pixels, above 0; the paper's is 0.1.
-        beta: of smooth L1, above 0.
+        threshold: low-resolution pixels, positive; 0.1 in the paper.
+        beta: parameter of smooth L1, positive.
     """
 
     requires = frozenset({"motion", "motion_dual"})
@@ -62,15 +64,18 @@ class MaskedTemporal(Loss):
     def __init__(self, threshold: float, beta: float) -> None:
         super().__init__()
         if not 0.0 < threshold < float("inf"):
-            raise UserError(f"threshold of the motion mask must be above 0, got {threshold}; the paper's is 0.1.")
+            raise UserError(
+                f"Invalid threshold={threshold} of the motion mask: use a positive number (0.1 in the paper)."
+            )
         self.threshold, self.beta = threshold, check_beta(beta)
 
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
         size = (outputs.shape[-2], outputs.shape[-1])
-        outputs = outputs.to(torch.promote_types(outputs.dtype, frames["motion"].dtype))  # half under autocast
+        # Outputs are in half precision under autocast.
+        outputs = outputs.to(torch.promote_types(outputs.dtype, frames["motion"].dtype))
         motion, motion_dual = (finite_motion(frames[name][:, 1:].flatten(0, 1)) for name in ("motion", "motion_dual"))
-        carried = warp(outputs[:, :-1].flatten(0, 1), upsample_motion(motion, size))
-        # Upsampling is linear: of the difference it is the difference of both.
+        warped = warp(outputs[:, :-1].flatten(0, 1), upsample_motion(motion, size))
+        # Upsampling is linear: upsampling the difference equals the difference of the upsampled vectors.
         offset = upsample_motion(motion_dual - motion, size)
-        seen = 1.0 - motion_mask(offset, (motion.shape[-2], motion.shape[-1]), self.threshold)
-        return F.smooth_l1_loss(seen * carried, seen * outputs[:, 1:].flatten(0, 1), beta=self.beta)
+        visible = 1.0 - motion_mask(offset, (motion.shape[-2], motion.shape[-1]), self.threshold)
+        return F.smooth_l1_loss(visible * warped, visible * outputs[:, 1:].flatten(0, 1), beta=self.beta)

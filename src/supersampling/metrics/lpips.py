@@ -11,7 +11,7 @@ from torch import nn
 
 from supersampling.errors import UserError
 from supersampling.metrics.suite import Metric, Moment
-from supersampling.ops.pretrained import load_pretrained
+from supersampling.pretrained import load_pretrained
 
 # The package's name: torchvision's, and the smallest side that every layer has an output for.
 NETWORKS = {"alex": ("alexnet", 31), "vgg": ("vgg16", 16)}

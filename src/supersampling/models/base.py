@@ -16,7 +16,7 @@ class Upsampler(nn.Module, ABC, Generic[State]):
 
     ``output`` is ``(B, 3, scale * h, scale * w)`` in the method's own domain: display-referred colour in [0, 1] unless it
     says otherwise by `reference` and `present`. ``state`` is ``None`` on a clip's first frame and belongs to the model: callers
-    hand it back unread. What is not finite in a frame is mended before a model sees it (`Frame.repaired`); a model whose state
+    hand it back unread. What is not finite in a frame is mended before a model sees it (`Frame.repair`); a model whose state
     would keep what is not finite for ever mends that itself. ``requires`` names the buffers that are read,
     ``compares`` those that a training's `reference` is made of.
     """
@@ -52,5 +52,5 @@ class Upsampler(nn.Module, ABC, Generic[State]):
         return self(frame, state)[1]
 
     def __call__(self, frame: Frame, state: State | None) -> tuple[Tensor, State]:
-        result: Any = super().__call__(frame.repaired(), state)
+        result: Any = super().__call__(frame.repair(), state)
         return result

@@ -10,8 +10,8 @@ from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
 from supersampling.models.dlctus import DLCTUS, STRIDE, WIDTH
-from supersampling.ops.native import dlctus as native
-from supersampling.ops.native.library import library
+from supersampling.models.native import dlctus as native
+from supersampling.models.native.library import load_library
 from supersampling.ops.resample import BOUNDARY
 from supersampling.stages.accumulate import AccumulationBuffer
 from supersampling.stages.confine import Sigmoid
@@ -53,7 +53,7 @@ class DLCTUSNative(Upsampler[Tensor]):
                 f"The native backend has DLCTUS with a clamp at scale 1, 2 or 4, not {type(model.confine).__name__} at scale "
                 f"{model.scale}: use another backend."
             )
-        library()
+        load_library()
         assert isinstance(model.reproject, Bicubic9)
         self.scale, self.requires, self.a = model.scale, model.requires, model.reproject.a
         self.dilate = copy.deepcopy(model.dilate)
@@ -62,7 +62,7 @@ class DLCTUSNative(Upsampler[Tensor]):
             self.weight = nn.Buffer(down.weight.permute(2, 3, 1, 0).float().cpu().contiguous())
             biases = [layer.bias for layer in (down, *layers)]
             self.bias = nn.Buffer(torch.stack(biases).float().cpu())
-            self.points = nn.Buffer(torch.stack([native.transformed(c.weight.float().cpu()) for c in layers]))
+            self.points = nn.Buffer(torch.stack([native.transform_kernel(c.weight.float().cpu()) for c in layers]))
         self.eval()
 
     @torch.no_grad()

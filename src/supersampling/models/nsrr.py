@@ -175,7 +175,7 @@ class NSRR(Upsampler[State]):
         return self.demodulate.radiance(self.colour_space.to_rgb(output), frame)
 
     def advance(self, frame: Frame, state: State | None) -> State:
-        frame = frame.repaired()
+        frame = frame.repair()
         return self.previous_frames.advance(self._samples(frame), frame, state)
 
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]:

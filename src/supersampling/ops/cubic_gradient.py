@@ -1,8 +1,8 @@
-"""PyTorch's bicubic ``grid_sample`` with another way to its gradient on a processor.
+"""PyTorch's bicubic ``grid_sample`` with a faster gradient on a CPU.
 
-The interpolation is a sparse matrix, 16 weights a row; its gradient is a product with the transpose. PyTorch
-scatters the same 16 values a pixel and channel one by one, which on one thread took 30% of a DLCTUS training step
-(``benchmarks/gradient.py`` compares the two). ``W H`` are the image's sides, ``N`` the number of positions.
+The interpolation is a sparse matrix with 16 weights per row; its gradient is a product with the transpose. PyTorch
+scatters the same 16 values per pixel and channel one by one, which on one thread took 30% of a DLCTUS training step
+(``scripts/timing/gradient.py`` compares the two). ``W H`` are the image's sides, ``N`` the number of positions.
 """
 
 from typing import Any
@@ -15,11 +15,12 @@ from scipy.sparse import csr_array
 from torch import Tensor
 from torch.autograd.function import once_differentiable
 
-_A = -0.75  # built into grid_sample
+# The kernel's parameter, fixed in grid_sample.
+_A = -0.75
 
 
 def bicubic_grid_sample(image: Tensor, grid: Tensor) -> Tensor:
-    """Cubic convolution with ``a = -0.75``, borders repeated: ``grid_sample``'s values to the bit.
+    """Interpolate by cubic convolution with ``a = -0.75``, borders repeated: bit-identical to ``grid_sample``.
 
     Args:
         image: ``(B, C, H, W)``.
@@ -28,8 +29,8 @@ def bicubic_grid_sample(image: Tensor, grid: Tensor) -> Tensor:
     Returns:
         ``(B, C, H', W')``.
     """
-    ours = image.requires_grad and not grid.requires_grad and image.device.type == "cpu"
-    if ours and image.dtype == torch.float32 and torch.is_grad_enabled():
+    only_image = image.requires_grad and not grid.requires_grad and image.device.type == "cpu"
+    if only_image and image.dtype == torch.float32 and torch.is_grad_enabled():
         result: Tensor = _TransposedProduct.apply(image, grid)
         return result
     return _grid_sample(image, grid)
@@ -40,6 +41,8 @@ def _grid_sample(image: Tensor, grid: Tensor) -> Tensor:
 
 
 class _TransposedProduct(torch.autograd.Function):
+    """``grid_sample`` whose gradient is a product with the transposed sparse matrix."""
+
     @staticmethod
     def forward(ctx: Any, image: Tensor, grid: Tensor) -> Tensor:
         ctx.save_for_backward(grid)
@@ -64,24 +67,25 @@ class _TransposedProduct(torch.autograd.Function):
 
 
 def _matrix(grid: Tensor, height: int, width: int) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """Which pixels ``(B, N, 16)`` of the flattened image each position reads, and their weights."""
+    """Return the flat indices ``(B, N, 16)`` of the pixels that each position reads, and their weights."""
     x, weight_x = _taps(grid[..., 0].flatten(), width)
     y, weight_y = _taps(grid[..., 1].flatten(), height)
     columns = np.repeat((y * width).numpy(), 4, axis=1) + np.tile(x.numpy(), (1, 4))
-    # The outer product of two rows of four, as products with 0 and 1: far faster than broadcasting.
+    # The outer product of two rows of four, as products with 0 and 1, is much faster than broadcasting.
     ones = torch.eye(4)
     weights = (weight_y @ ones.repeat_interleave(4, 1)) * (weight_x @ ones.repeat(1, 4))
     return columns.reshape(len(grid), -1, 16), weights.numpy().reshape(len(grid), -1, 16)
 
 
 def _taps(position: Tensor, size: int) -> tuple[Tensor, Tensor]:
-    """The four taps of one axis ``(N, 4)``: pixels, held inside the image, and weights."""
+    """Return the four taps of one axis ``(N, 4)``: pixel indices, clamped to the image, and weights."""
     pixel = ((position + 1.0) * size - 1.0) * 0.5
     base = pixel.floor()
     f = pixel - base
     g = 1.0 - f
     inner = (((_A + 2.0) * t - (_A + 3.0)) * t * t + 1.0 for t in (f, g))
     weights = torch.stack((_A * f * g * g, *inner, _A * f * f * g), dim=-1)
-    first = base.nan_to_num().clamp(-3, size + 2).int()  # so that no position overflows
+    # Clamp before the conversion, which would overflow for distant positions.
+    first = base.nan_to_num().clamp(-3, size + 2).int()
     taps = first.unsqueeze(-1) + torch.arange(-1, 3, dtype=torch.int32)
     return taps.clamp_(0, size - 1), weights

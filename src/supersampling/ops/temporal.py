@@ -1,4 +1,4 @@
-"""The spatio-temporal error of Swensen 2021, 4.3.3, shared by the loss and by the metrics of its table 10."""
+"""Spatio-temporal error (Swensen 2021, 4.3.3), shared by the loss and by the metrics of the thesis's table 10."""
 
 from torch import Tensor
 
@@ -7,19 +7,18 @@ from supersampling.ops.warp import finite_motion, warp
 
 
 def spatiotemporal_error(current: Tensor, previous: Tensor, theta: float) -> Tensor:
-    """``l(x, y) = |x| + |y| + theta (|x - y| - |x| - |y|)`` elementwise (eq 54): x this frame's error, y the
-    previous one's.
+    """Return ``l(x, y) = |x| + |y| + theta (|x - y| - |x| - |y|)`` elementwise (eq 54).
 
-    ``theta = 0`` is the spatial error ``|x| + |y|``, ``theta = 1`` the temporal error ``|x - y|``.
+    ``x`` is the current frame's error, ``y`` the previous frame's. ``theta = 0`` is the spatial error ``|x| + |y|``,
+    ``theta = 1`` the temporal error ``|x - y|``.
     """
     return (1.0 - theta) * (current.abs() + previous.abs()) + theta * (current - previous).abs()
 
 
 def carry_error(error: Tensor, motion: Tensor) -> Tensor:
-    """``f_prev``: the previous frame's error ``(B, C, H, W)`` moved here by motion ``(B, 2, h, w)``,
-    bilinear.
+    """Return ``f_prev``: the previous frame's error ``(B, C, H, W)`` warped bilinearly by motion ``(B, 2, h, w)``.
 
-    Warping is linear, so this is ``f_prev(output) - f_prev(target)``. As in the thesis an approximation where
+    Warping is linear, so this is ``f_prev(output) - f_prev(target)``. As in the thesis, it is an approximation where
     the pixel was hidden or outside the image (the border is repeated there).
     """
     height, width = error.shape[-2:]

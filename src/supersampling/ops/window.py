@@ -9,22 +9,22 @@ from torch import Tensor
 
 
 def gaussian_mean(maps: Tensor, window: int, sigma: float) -> Tensor:
-    """Gaussian-weighted mean of every whole window: ``(..., H, W) -> (..., H - window + 1, W - window + 1)``.
+    """Return the Gaussian-weighted mean of every full window, ``(..., H - window + 1, W - window + 1)``.
 
-    ``window`` is odd and at most ``H`` and ``W``; ``sigma`` in pixels. Differentiable, any number of times, without keeping
-    anything but sizes.
+    ``maps`` is ``(..., H, W)``, ``window`` odd and at most ``H`` and ``W``, ``sigma`` in pixels. Differentiable any
+    number of times; only sizes are saved for the gradient.
     """
     flat: Tensor = _GaussianMean.apply(maps.reshape(-1, *maps.shape[-2:]), window, sigma)
     return flat.reshape(*maps.shape[:-2], *flat.shape[-2:])
 
 
 class _GaussianMean(torch.autograd.Function):
-    """Linear, with a symmetric kernel: its derivative is itself on the gradient in a frame of zeros."""
+    """Mean over windows: linear with a symmetric kernel, so its derivative is the mean of the zero-padded gradient."""
 
     @staticmethod
     def forward(ctx: Any, maps: Tensor, window: int, sigma: float) -> Tensor:
         ctx.kernel = window, sigma
-        # Shifted additions, one image at a time so that it stays in cache: 30 times as fast as a convolution on a CPU.
+        # Shifted additions, one image at a time to stay in the cache: 30 times as fast as a convolution on a CPU.
         return torch.stack([_axis(_axis(image, 0, window, sigma), 1, window, sigma) for image in maps])
 
     @staticmethod

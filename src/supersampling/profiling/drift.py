@@ -59,7 +59,7 @@ def roll(
             player.reset()
         for t, parts in enumerate(clips.read_frames(index)):
             batch = {key: values[None] for key, values in parts.items()}
-            frame, target = Frame.of(batch, 0), batch["target"][:, 0]
+            frame, target = Frame.from_clip(batch, 0), batch["target"][:, 0]
             output, state = model(frame, state)
             exact = model.present(output, frame)
             own = psnr(prepare(exact, target), target).item()
@@ -90,4 +90,4 @@ def calibration(
     for path in files:
         clips = whole_clips([path], model.requires, 0)
         parts = zip(range(frames), clips.read_frames(0))
-        yield (tiled(Frame.of({k: v[None] for k, v in part.items()}, 0), size, model.scale) for _, part in parts)
+        yield (tiled(Frame.from_clip({k: v[None] for k, v in part.items()}, 0), size, model.scale) for _, part in parts)

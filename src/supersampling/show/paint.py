@@ -8,7 +8,7 @@ from matplotlib.colors import hsv_to_rgb
 from numpy.typing import NDArray
 from torchvision.utils import flow_to_image
 
-from supersampling.ops.display import displayed
+from supersampling.ops.display import radiance_to_display
 from supersampling.show.clip import Array
 
 Picture = NDArray[np.uint8]
@@ -33,7 +33,7 @@ def colour(values: Array) -> Picture:
 
 def light(values: Array, stops: int) -> Picture:
     """Linear radiance through the project's tonemap, ``2 ** stops`` times as bright."""
-    return colour(displayed(torch.from_numpy(values) * 2.0**stops).numpy())
+    return colour(radiance_to_display(torch.from_numpy(values) * 2.0**stops).numpy())
 
 
 def reflectance(values: Array) -> Picture:

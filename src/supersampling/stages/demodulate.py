@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 from supersampling.frames import Frame
 from supersampling.ops.demodulate import demodulate, remodulate
-from supersampling.ops.display import displayed
+from supersampling.ops.display import radiance_to_display
 
 
 class Demodulate(nn.Module, ABC):
@@ -80,7 +80,7 @@ class Demodulated(Demodulate):
         return demodulate(clip["target_radiance"], clip["high_material"], clip["high_emission"])
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
-        return displayed(self.radiance(output, frame))
+        return radiance_to_display(self.radiance(output, frame))
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor:
         assert frame.high_material is not None
@@ -112,7 +112,7 @@ class LoggedLighting(Demodulate):
         return self.linear.reference(clip).log1p()
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
-        return displayed(self.radiance(output, frame))
+        return radiance_to_display(self.radiance(output, frame))
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor:
         return self.linear.radiance(output.clamp(max=self.highest).expm1(), frame)
@@ -133,7 +133,7 @@ class Radiance(Demodulate):
         return clip["target_radiance"]
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
-        return displayed(output)
+        return radiance_to_display(output)
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor:
         return output

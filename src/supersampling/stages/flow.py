@@ -13,8 +13,8 @@ from torchvision.models import get_model
 
 from supersampling.errors import UserError
 from supersampling.frames import Frame
-from supersampling.ops.pretrained import load_pretrained
 from supersampling.ops.resample import jitter_as_motion
+from supersampling.pretrained import load_pretrained
 
 LUMA = (0.2126, 0.7152, 0.0722)  # Rec. 709
 SMALLEST = 4  # pixels a side; below, TV-L1 has no neighbourhood to work on

@@ -6,7 +6,7 @@ from typing import final
 import torch
 from torch import Tensor, nn
 
-from supersampling.ops.warp import broken, outside
+from supersampling.ops.warp import broken_pixels, outside
 
 
 class Pad(nn.Module, ABC):
@@ -25,7 +25,7 @@ class JitterAligned(Pad):
     """The jitter-aligned current frame, as the thesis does."""
 
     def forward(self, history: Tensor, aligned: Tensor, motion: Tensor) -> Tensor:
-        return torch.where(outside(motion) | broken(history), aligned, history)
+        return torch.where(outside(motion) | broken_pixels(history), aligned, history)
 
 
 @final
@@ -33,4 +33,4 @@ class Zeros(Pad):
     """Black, as Xiao et al. 2020 do."""
 
     def forward(self, history: Tensor, aligned: Tensor, motion: Tensor) -> Tensor:
-        return history.masked_fill(outside(motion) | broken(history), 0.0)
+        return history.masked_fill(outside(motion) | broken_pixels(history), 0.0)

@@ -12,7 +12,7 @@ from torch import Tensor, nn
 from torch.optim import Optimizer
 from torch.optim.lr_scheduler import LRScheduler
 
-from supersampling.frames import Frame, length_of
+from supersampling.frames import Frame, clip_length
 from supersampling.losses import Loss
 from supersampling.metrics.image import psnr
 from supersampling.models.base import Upsampler
@@ -54,10 +54,10 @@ def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
 
     Of the frames before these only the state is made.
     """
-    length = length_of(clip)
+    length = clip_length(clip)
     state, outputs = None, []
     for t in range(length):
-        frame = Frame.of(clip, t)
+        frame = Frame.from_clip(clip, t)
         if t < length - keep:
             state = model.advance(frame, state)
         else:
@@ -140,8 +140,8 @@ class Training(L.LightningModule):
     def validation_step(self, clip: dict[str, Tensor], batch_index: int) -> None:
         kept = clip["target"].shape[1]
         outputs = unroll(self.model, clip, kept)
-        first = length_of(clip) - kept
-        shown = [self.model.present(outputs[:, k], Frame.of(clip, first + k)) for k in range(kept)]
+        first = clip_length(clip) - kept
+        shown = [self.model.present(outputs[:, k], Frame.from_clip(clip, first + k)) for k in range(kept)]
         mean = psnr(torch.cat(shown).float(), clip["target"].transpose(0, 1).flatten(0, 1)).mean()
         self.log("val/psnr", mean, on_epoch=True, batch_size=1, prog_bar=True, sync_dist=True)
 

@@ -8,7 +8,7 @@ import torch
 from tqdm import tqdm
 
 from supersampling.data.clips import WholeClips
-from supersampling.frames import Frame, length_of
+from supersampling.frames import Frame, clip_length
 from supersampling.metrics.image import psnr
 from supersampling.models.base import Upsampler
 
@@ -22,10 +22,10 @@ def _mean_psnr(model: Upsampler, clips: list[dict[str, torch.Tensor]]) -> float:
     for clip in clips:
         state = None
         batch = {name: values.unsqueeze(0) for name, values in clip.items()}
-        length = length_of(batch)
+        length = clip_length(batch)
         first = length - len(clip["target"])
         for t in range(length):
-            frame = Frame.of(batch, t)
+            frame = Frame.from_clip(batch, t)
             output, state = model(frame, state)
             output = model.present(output, frame)
             if t >= max(first, WARM_UP):

@@ -18,7 +18,7 @@ from supersampling.data.readers.layout import Clip, Layout
 from supersampling.data.readers.units import checked_jitter, checked_motion
 from supersampling.data.spec import SPLITS
 from supersampling.errors import UserError
-from supersampling.ops.display import displayed
+from supersampling.ops.display import radiance_to_display
 
 INFINITE_FAR = 5000.0
 """What an infinite far plane is taken for, as in Arm's own reader; farther is 1 as well."""
@@ -159,7 +159,7 @@ class ArmClip(Clip):
         ):
             if names & {shown, light}:
                 radiance = np.maximum(read_exr(paths[source], size, ("RGB",)), 0.0) * np.float32(self._exposure(entry))
-                out |= {light: radiance, shown: displayed(torch.from_numpy(radiance)).numpy()}
+                out |= {light: radiance, shown: radiance_to_display(torch.from_numpy(radiance)).numpy()}
         if "depth" in names:
             out["depth"] = self._depth(paths["depth"], entry)
         for name, size in (("motion", self._low_size), ("high_motion", self.size)):

@@ -1,7 +1,7 @@
 """The gradient of bicubic reprojection: ours against PyTorch's, and a training step with each.
 
-    python benchmarks/gradient.py
-    python benchmarks/gradient.py loss.theta=0.5    any overrides of train.py
+    python scripts/timing/gradient.py
+    python scripts/timing/gradient.py loss.theta=0.5    any overrides of train.py
 
 Speed is measured here, never in a test.
 """
@@ -21,7 +21,7 @@ from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 from torch import Tensor
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 
 from supersampling.commands.resolvers import register  # noqa: E402

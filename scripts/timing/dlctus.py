@@ -1,7 +1,7 @@
 """DLCTUS as trained against DLCTUS as deployed, with the thesis's two optimisations (Swensen 2021, 4.4.4; its tables 7 and 8).
 
-    python benchmarks/dlctus.py                      one frame of 1920x1080 at 4x4 and at 2x2, one thread
-    python benchmarks/dlctus.py --threads 2 --size 960 540
+    python scripts/timing/dlctus.py                      one frame of 1920x1080 at 4x4 and at 2x2, one thread
+    python scripts/timing/dlctus.py --threads 2 --size 960 540
 
 Both forms run in turn, so that a drift of the machine's speed meets both alike; a ratio is the median over such pairs, with its
 quartiles.

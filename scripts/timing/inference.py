@@ -1,8 +1,8 @@
 """DLCTUS on every backend against the thesis's listing typed as it stands (``listing.py``), in turn, in one process.
 
-    python benchmarks/inference.py                                      1920x1080 at 4x4, two threads
-    python benchmarks/inference.py --backends native eager --repeats 31 --scale 2
-    python benchmarks/inference.py --threads 1 --clock cpu              on a machine that others use, too
+    python scripts/timing/inference.py                                      1920x1080 at 4x4, two threads
+    python scripts/timing/inference.py --backends native eager --repeats 31 --scale 2
+    python scripts/timing/inference.py --threads 1 --clock cpu              on a machine that others use, too
 
 The backends are PyTorch's operations (``eager`` as trained, ``deployed`` with the thesis's two rewrites, ``channels_last`` and
 ``compile`` the latter in that layout and compiled), the exported graph under ``onnxruntime`` and ``openvino``, and ``native``,

@@ -1,6 +1,6 @@
 """Which metric sees which fault: every fault on the targets of one clip of a data set file, as docs/metrics.md has it.
 
-    python benchmarks/blind.py FILE.h5 [CLIP [FRAMES]]
+    python scripts/timing/blind.py FILE.h5 [CLIP [FRAMES]]
 
 The file needs ``target``, ``motion``, ``motion_dual`` and ``target_radiance``.
 """

@@ -1,7 +1,7 @@
 """Seconds a clip of each metric, and peak memory at that clip and at half of it, each in a process of its own.
 
-    python benchmarks/metrics.py                                      all, 60 frames at 1080p, two threads: hours
-    python benchmarks/metrics.py psnr vmaf size=480x270 frames=16 threads=1
+    python scripts/timing/metrics.py                                      all, 60 frames at 1080p, two threads: hours
+    python scripts/timing/metrics.py psnr vmaf size=480x270 frames=16 threads=1
 
 Memory is that of the process and its children at their peaks; the row `nothing` is what Python and the frames take.
 """

@@ -1,6 +1,6 @@
 """Seconds a frame of every product that the renderer makes, by scene.
 
-python benchmarks/render.py [SCENE ...]      default: the built-in scenes, and the tracks that are installed
+python scripts/timing/render.py [SCENE ...]      default: the built-in scenes, and the tracks that are installed
 """
 
 import statistics

@@ -1,7 +1,7 @@
 """Milliseconds of a training step of each method, where they go, and what the project's loop adds to a plain one.
 
-    python benchmarks/step.py                             all methods, laptop budget
-    python benchmarks/step.py model=dlctus,nsrd loss=l1   some; any overrides of train.py
+    python scripts/timing/step.py                             all methods, laptop budget
+    python scripts/timing/step.py model=dlctus,nsrd loss=l1   some; any overrides of train.py
 
 Prints Markdown tables. Steps compute on noise of the data's shapes; only what is said of data comes from the configured ones,
 which are rendered first if they are missing. Speed is measured here, never in a test.

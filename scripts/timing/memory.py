@@ -1,7 +1,7 @@
 """Peak memory of a training step of each method as clips grow longer.
 
-    python benchmarks/memory.py                  all methods, laptop budget
-    python benchmarks/memory.py model=enss_m     some; any overrides of train.py
+    python scripts/timing/memory.py                  all methods, laptop budget
+    python scripts/timing/memory.py model=enss_m     some; any overrides of train.py
 
 Prints a Markdown table. Every point is a process of its own: on a processor its peak resident memory, with libraries and data; on
 CUDA what PyTorch had allocated at most.

@@ -1,6 +1,6 @@
 // The network of DLCTUS (Swensen 2021, figure 5) on features x (rows, columns, 32), float32: a matrix product, and 3x3
-// convolutions by Winograd's F(4x4, 3x3) (Lavin and Gray 2016), a quarter of the multiplications, a strip of tiles at a time so
-// that transforms and products stay in a core's cache.
+// convolutions by Winograd's F(4x4, 3x3) (Lavin and Gray 2016), which needs a quarter of the multiplications. A strip of
+// tiles is processed at a time so that transforms and products stay in a core's cache.
 
 #include <vector>
 
@@ -28,9 +28,9 @@ inline void product(const float* in, int step, const float* weights, int k, cons
         for (int h = 0; h < 2; ++h) store(out + r * WIDTH + 16 * h, sum[r][h]);
 }
 
-const int TILES = 12;  // 24 sums, two weights and a value are what 32 registers hold
+const int TILES = 12;  // 24 sums, two weights and a value fit in 32 registers
 
-// Winograd's F(4x4, 3x3), Lavin and Gray 2016: one axis of the input's, and of the output's transform.
+// Winograd's F(4x4, 3x3), Lavin and Gray 2016: one axis of the input transform, and of the output transform.
 inline void to_points(const v16* d, int step, v16* out, int out_step) {
     v16 a = d[0], b = d[step], c = d[2 * step], e = d[3 * step], f = d[4 * step], g = d[5 * step];
     v16 even = f - 4.0f * c, odd = e - 4.0f * b, half = f - c, twice = 2.0f * (e - b);
@@ -60,7 +60,7 @@ void input_tile(Image in, int y, int x, float* points) {
         for (int i = 0; i < 6; ++i)
             for (int j = 0; j < 6; ++j) {
                 int r = y - 1 + i, c = x - 1 + j;
-                if (!inner) r = held(r, in.height), c = held(c, in.width);
+                if (!inner) r = clamp(r, in.height), c = clamp(c, in.width);
                 d[6 * i + j] = load(in.x + (size_t(r) * in.width + c) * WIDTH + 16 * h);
             }
         for (int j = 0; j < 6; ++j) to_points(d + j, 6, t + j, 6);
@@ -69,7 +69,8 @@ void input_tile(Image in, int y, int x, float* points) {
     }
 }
 
-void output_tile(const float* points, const float* bias, const float* added, int y, int x, int height, int width, float* out) {
+void output_tile(const float* points, const float* bias, const float* residual, int y, int x, int height, int width,
+                 float* out) {
     for (int h = 0; h < 2; ++h) {
         v16 m[36], t[24], r[16];
         for (int p = 0; p < 36; ++p) m[p] = load(points + size_t(p) * TILES * WIDTH + 16 * h);
@@ -77,11 +78,11 @@ void output_tile(const float* points, const float* bias, const float* added, int
         for (int i = 0; i < 4; ++i) from_points(t + 6 * i, 1, r + 4 * i, 1);
         for (int i = 0; i < 4 && y + i < height; ++i)
             for (int j = 0; j < 4 && x + j < width; ++j) {
-                size_t at = (size_t(y + i) * width + x + j) * WIDTH + 16 * h;
+                size_t index = (size_t(y + i) * width + x + j) * WIDTH + 16 * h;
                 v16 value = r[4 * i + j] + load(bias + 16 * h);
-                if (added) value += load(added + at);
+                if (residual) value += load(residual + index);
                 else value = value < 0.0f ? v16{} : value;  // ReLU
-                store(out + at, value);
+                store(out + index, value);
             }
     }
 }
@@ -102,9 +103,9 @@ void ss_linear(const float* blocks, const float* weights, const float* bias, flo
     }
 }
 
-// out <- 3x3 convolution of x (height, width, 32), borders repeated; plus ``added``, or without one ReLU.
-// points (36, 32, 32) are the kernel's, transformed. out may be added, never x.
-void ss_convolve(const float* x, const float* points, const float* bias, const float* added, float* out, int height,
+// out <- 3x3 convolution of x (height, width, 32), borders repeated; plus residual, or ReLU if that is null.
+// points (36, 32, 32) is the transformed kernel. out may be residual, never x.
+void ss_convolve(const float* x, const float* points, const float* bias, const float* residual, float* out, int height,
                  int width, int threads) {
     Image in{x, height, width};
     int down = (height + 3) / 4, across = (width + 3) / 4, groups = (across + TILES - 1) / TILES;
@@ -119,7 +120,7 @@ void ss_convolve(const float* x, const float* points, const float* bias, const f
                 product<TILES>(&before[p * TILES * WIDTH], WIDTH, points + p * WIDTH * WIDTH, WIDTH, nullptr,
                                &after[p * TILES * WIDTH]);
             for (int t = 0; t < tiles; ++t)
-                output_tile(&after[t * WIDTH], bias, added, y, (first + t) * 4, height, width, out);
+                output_tile(&after[t * WIDTH], bias, residual, y, (first + t) * 4, height, width, out);
         }
     }
 }

@@ -1,7 +1,7 @@
 """How much of a frame's time its convolutions would take alone, and what takes the rest, for every model.
 
-    python benchmarks/ceiling.py                                   all models to 1920x1080 at 4x4, two threads
-    python benchmarks/ceiling.py model=enss_s,dlctus threads=1 clock=cpu layout=channels_last
+    python scripts/timing/ceiling.py                                   all models to 1920x1080 at 4x4, two threads
+    python scripts/timing/ceiling.py model=enss_s,dlctus threads=1 clock=cpu layout=channels_last
 
 Two ceilings: *alone* is the time of the frame's own convolutions, the same shapes run one after another, each in the faster of
 the two layouts, over the time of the frame; *product* is that of a large matrix product with as many multiply-accumulates. A
@@ -33,7 +33,7 @@ from supersampling.models.dlctus_native import DLCTUSNative
 from supersampling.profiling import memory
 from supersampling.profiling.ceiling import Kernels
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 CONF = ROOT / "conf"
 MODELS = "dlctus,dlctus:deployed,dlctus:native,nsrd,enss_s,enss_m,enss_l,tus,jau,bicubic,nsrr"

@@ -1,4 +1,4 @@
-"""Seconds and memory of all reports over a made-up store: ``python benchmarks/report.py 1000``.
+"""Seconds and memory of all reports over a made-up store: ``python scripts/timing/report.py 1000``.
 
 The store holds what every cell, claim and figure of the papers asks for, three seeds each, and variants of it up to the
 number given. Scores are made up; their tables have the size of a small test set.
@@ -23,7 +23,7 @@ from supersampling.metrics.scores import FILE, Scores, write_scores
 from supersampling.reporting.papers.published import load_papers
 from supersampling.reporting.papers.schema import Paper, Selection
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 SCENES = [f"scene{index}" for index in range(9)]
 METRICS = [
     "psnr",

@@ -1,7 +1,7 @@
 """What training spends besides computing: waiting for data, the loop's own overhead, start-up.
 
-    python benchmarks/loop.py                 the default data and budget
-    python benchmarks/loop.py scene=atrium    any overrides of train.py
+    python scripts/timing/loop.py                 the default data and budget
+    python scripts/timing/loop.py scene=atrium    any overrides of train.py
 
 Prints medians over steps, for as many processor threads as train.py would use. Speed is measured here, never in a test.
 """
@@ -20,7 +20,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 from torch.utils.data import DataLoader
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 
 from supersampling.commands.entry import run  # noqa: E402

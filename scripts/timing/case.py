@@ -14,7 +14,7 @@ from omegaconf import DictConfig
 from torch import Tensor
 from torch.profiler import record_function
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 
 from supersampling.commands.resolvers import register  # noqa: E402
