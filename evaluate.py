@@ -1,24 +1,6 @@
-"""Score a method on test clips: ``python evaluate.py --help``."""
+"""Score a method, or frames of another program: ``python evaluate.py --help``."""
 
-import os
-from pathlib import Path
-
-import hydra
-from omegaconf import DictConfig
-
-from supersampling.commands.resolvers import register
-
-os.environ.setdefault("SUPERSAMPLING_ROOT", str(Path(__file__).resolve().parent))
-register()
-
-
-@hydra.main(config_path="conf", config_name="evaluate", version_base="1.3")
-def main(cfg: DictConfig) -> None:
-    from supersampling.commands.entry import run
-    from supersampling.commands.evaluate import evaluate_command
-
-    run(evaluate_command, cfg)
-
+from supersampling.commands.entry import script
 
 if __name__ == "__main__":
-    main()
+    script(__file__)

@@ -1,24 +1,6 @@
-"""Look at data: pictures of a frame's buffers and a short video of its clip: ``python show.py --help``."""
+"""Look at data sets: ``python show.py --help``."""
 
-import os
-from pathlib import Path
-
-import hydra
-from omegaconf import DictConfig
-
-from supersampling.commands.resolvers import register
-
-os.environ.setdefault("SUPERSAMPLING_ROOT", str(Path(__file__).resolve().parent))
-register()
-
-
-@hydra.main(config_path="conf", config_name="show", version_base="1.3")
-def main(cfg: DictConfig) -> None:
-    from supersampling.commands.entry import run
-    from supersampling.commands.show import show
-
-    run(show, cfg)
-
+from supersampling.commands.entry import script
 
 if __name__ == "__main__":
-    main()
+    script(__file__)

@@ -24,9 +24,9 @@ def failing(error: BaseException, cause: BaseException | None = None):
         (UserError("Bad value 3: use 2."), None, 2, "error: Bad value 3: use 2."),
         (RuntimeError("wrapped"), UserError("Bad value 4: use 2."), 2, "error: Bad value 4: use 2."),
         (OSError(errno.ENOSPC, "No space left on device"), None, 2, "error: The disk is full"),
-        (KeyboardInterrupt(), None, 130, "goes on from here"),
-        (RuntimeError("half a file"), KeyboardInterrupt(), 130, "goes on from here"),
-        (SystemExit(1), None, 130, "goes on from here"),  # Lightning's answer to an interrupt
+        (KeyboardInterrupt(), None, 130, "continues from here"),
+        (RuntimeError("half a file"), KeyboardInterrupt(), 130, "continues from here"),
+        (SystemExit(1), None, 130, "continues from here"),  # Lightning's answer to an interrupt
     ],
 )
 def test_a_mistake_is_one_sentence(error, cause, status, sentence, capsys):

@@ -13,7 +13,7 @@ from hydra.core.hydra_config import HydraConfig
 from mlflow.tracking import MlflowClient
 from omegaconf import open_dict
 
-from supersampling.commands.advise import advise_command
+from supersampling.commands.advise import advise as run_advise
 from supersampling.errors import UserError
 from supersampling.training import job
 
@@ -46,7 +46,7 @@ def advise(folder: Path) -> Iterator[Run]:
             HydraConfig.instance().set_config(cfg)
             with open_dict(cfg):
                 del cfg["hydra"]
-            advise_command(cfg)
+            run_advise(cfg)
 
         yield run
     HydraConfig.instance().cfg = None

@@ -9,7 +9,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
-from supersampling.commands.train import _baselines
+from supersampling.commands.train import baselines
 from supersampling.runs.naming import method_name
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -57,11 +57,11 @@ def test_the_thesis_recipe_is_the_thesis_s():
 
 
 @pytest.mark.parametrize("override", [c for c in CASES if c.startswith(("experiment", "sweeps"))])
-def test_its_baselines_are_the_same_job_with_another_method(override):
+def test_itsbaselines_are_the_same_job_with_another_method(override):
     cfg = composed(override, "task.scale=3", "loss=l1")
     HydraConfig.instance().set_config(cfg)
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-        jobs = _baselines(cfg)
+        jobs = baselines(cfg)
     assert [method_name(choices) for _, choices in jobs] == ["bicubic", "jau", "tus", "tus rectify=none"]
     for job, _ in jobs:
         assert instantiate(job.model).scale == 3

@@ -8,8 +8,8 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 ROOMS = (  # from the bottom up
-    "errors", "ops", "frames", "pretrained", "metrics", "losses", "stages", "models", "data", "scenes", "render", "show", "evaluation",
-    "deploy", "runs", "profiling", "training", "advice", "stress", "reporting", "commands",
+    "errors", "resources", "config", "ops", "frames", "pretrained", "metrics", "losses", "stages", "models", "data", "scenes",
+    "render", "show", "evaluation", "deploy", "runs", "profiling", "training", "advice", "stress", "reporting", "commands",
 )  # fmt: skip
 LEVEL = {room: level for level, room in enumerate(ROOMS)}
 FILES = sorted(PACKAGE.rglob("*.py"))
@@ -48,7 +48,7 @@ def test_imports_point_down(path):
 
 
 def test_every_room_has_a_level():
-    rooms = {p.relative_to(PACKAGE).parts[0].removesuffix(".py") for p in FILES} - {"__init__"}
+    rooms = {p.relative_to(PACKAGE).parts[0].removesuffix(".py") for p in FILES} - {"__init__", "__main__"}
     assert rooms == set(ROOMS)
 
 

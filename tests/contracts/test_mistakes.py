@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from supersampling.render.stk import find_data
+
+from supersampling.scenes.stk import find_data
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -34,7 +35,7 @@ CASES = {
     "scale out of range": (["task.scale=9"], "task.scale=9"),
     "data set of another scale": (["task.scale=2"], "scale 4, but task.scale=2"),
     "too small a window": (["budget.crop=512"], "budget.crop=512"),
-    "unreachable server": (["logger.tracking_uri=http://127.0.0.1:9"], "127.0.0.1:9"),
+    "unreachable server": (["tracking_uri=http://127.0.0.1:9"], "127.0.0.1:9"),
 }
 
 

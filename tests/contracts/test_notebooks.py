@@ -25,7 +25,7 @@ def test_it_runs(path, make_file, tmp_path, monkeypatch):
         f"paths.root={tmp_path}",
     ]
     # Named outright: mlflow leaves the last store of this process in the environment, which would win.
-    job.append(f"logger.tracking_uri=sqlite:///{tmp_path}/mlflow.db")
+    job.append(f"tracking_uri=sqlite:///{tmp_path}/mlflow.db")
     baselines = "baselines=[['model=jau']]"
     subprocess.run(
         [sys.executable, "train.py", *job, baselines], cwd=ROOT, check=True, capture_output=True, timeout=300

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from supersampling.commands.export import export_command
+from supersampling.commands.export import export
 from supersampling.deploy.check import Difference, compare, recorded_frames
 from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OnnxRuntime
@@ -20,7 +20,7 @@ def configure(entry, tmp_path):
 
 def test_a_method_without_state_is_one_graph_and_runs_on_a_data_set(configure, make_file, tmp_path, capsys):
     data = make_file(tmp_path, "test", frames=3)
-    export_command(configure("data=files", f"data.test=[{data}]", "frames=data"))
+    export(configure("data=files", f"data.test=[{data}]", "frames=data"))
     said = capsys.readouterr().out
     assert "onnxruntime: at most" in said
     assert "openvino: at most" in said
@@ -41,7 +41,7 @@ def test_what_is_too_far_off_is_not_written(configure, monkeypatch, tmp_path):
 
     monkeypatch.setattr(command, "compare", lambda *_: {"openvino": Difference(0.25, 3, 0.1)})
     with pytest.raises(UserError, match=r"openvino differs from PyTorch by 0.25 at frame 3"):
-        export_command(configure("size=[8,6]"))
+        export(configure("size=[8,6]"))
     assert not list(tmp_path.iterdir())
 
 
@@ -62,9 +62,9 @@ def test_what_is_too_far_off_is_not_written(configure, monkeypatch, tmp_path):
 )
 def test_mistakes(override, part, configure):
     with pytest.raises(UserError, match=part):
-        export_command(configure(override))
+        export(configure(override))
 
 
 def test_checkpoint_and_run_exclude_each_other(configure):
     with pytest.raises(UserError, match="exclude each other"):
-        export_command(configure("checkpoint=a.ckpt", "run=b"))
+        export(configure("checkpoint=a.ckpt", "run=b"))

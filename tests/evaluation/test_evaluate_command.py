@@ -5,7 +5,7 @@ import pytest
 from image_files import write_png
 from mlflow.tracking import MlflowClient
 
-from supersampling.commands.evaluate import evaluate_command
+from supersampling.commands.evaluate import evaluate
 from supersampling.commands.train import train
 from supersampling.data.store import Store
 from supersampling.errors import UserError
@@ -14,7 +14,7 @@ from supersampling.errors import UserError
 @pytest.fixture
 def settings(make_file, tmp_path):
     files = [f"data.{s}=[{make_file(tmp_path, s, frames=6)}]" for s in ("train", "val", "test")]
-    tracking = f"logger.tracking_uri=sqlite:///{tmp_path}/mlflow.db"
+    tracking = f"tracking_uri=sqlite:///{tmp_path}/mlflow.db"
     return ["data=files", "scene=atrium", "threads=1", f"paths.root={tmp_path}", tracking, *files]
 
 
@@ -43,7 +43,7 @@ def frames(settings, tmp_path):
 
 def test_frames_of_another_program_become_a_baseline_once(entry, settings, runs, frames, capsys):
     given = [*settings, f"frames={frames}", "name=theirs", "metrics=fast"]
-    evaluate_command(entry("evaluate", *given))
+    evaluate(entry("evaluate", *given))
     (run,) = runs("job")
     assert run.data.tags["ss.method"] == "theirs"
     store = Store(settings[-1].partition("=[")[2][:-1])
@@ -55,13 +55,13 @@ def test_frames_of_another_program_become_a_baseline_once(entry, settings, runs,
     assert run.data.metrics["test/psnr"] == pytest.approx(np.mean(values), abs=1e-3)
     assert run.data.params["protocol"] == "continuous"
     capsys.readouterr()
-    evaluate_command(entry("evaluate", *given))
+    evaluate(entry("evaluate", *given))
     assert "theirs: scored before" in capsys.readouterr().out
     assert len(runs("job")) == 1
 
 
 def test_sanity_rows(entry, settings, runs, capsys):
-    evaluate_command(entry("evaluate", *settings, "model=bicubic", "metrics=capture"))
+    evaluate(entry("evaluate", *settings, "model=bicubic", "metrics=capture"))
     sanity = {run.data.tags["ss.method"]: run.data.metrics for run in runs("sanity")}
     reference, raw = sanity["reference"], sanity["raw input"]
     assert reference["test/psnr"] == 100.0
@@ -117,6 +117,6 @@ def test_another_protocol_is_another_run_of_the_same_weights(entry, settings, ru
 
 def test_choices_that_exclude_each_other(entry, settings):
     with pytest.raises(UserError, match="run=1 and frames=there exclude each other"):
-        evaluate_command(entry("evaluate", *settings, "run=1", "frames=there"))
+        evaluate(entry("evaluate", *settings, "run=1", "frames=there"))
     with pytest.raises(UserError, match="space=log is none of display, radiance"):
-        evaluate_command(entry("evaluate", *settings, "frames=there", "space=log", "metrics=fast"))
+        evaluate(entry("evaluate", *settings, "frames=there", "space=log", "metrics=fast"))

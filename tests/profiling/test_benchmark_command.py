@@ -13,7 +13,7 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import OmegaConf, open_dict
 
-from supersampling.commands import benchmark as benchmark_command
+from supersampling.commands import benchmark as benchmark
 from supersampling.commands.benchmark import check_settings, timing_of
 from supersampling.errors import UserError
 from supersampling.profiling.ceiling import Ceiling
@@ -21,9 +21,9 @@ from supersampling.profiling.interleave import Outcome
 from supersampling.profiling.traffic import Work
 from supersampling.profiling.worker import Case
 from supersampling.runs.experiment import open_experiment
-from supersampling.runs.subjects import named, of_run
+from supersampling.runs.subjects import subjects_by_name, subjects_of_run
 from supersampling.runs.timing import read
-from supersampling.runs.timing_log import tell_jobs
+from supersampling.runs.timing_log import log_times_of_jobs
 
 ROOT = Path(__file__).resolve().parents[2]
 BICUBIC = {"_target_": "supersampling.models.bicubic.Bicubic", "scale": 4}
@@ -90,20 +90,20 @@ def test_a_run_and_methods_exclude_each_other(inside):
 
 def test_methods_by_name(inside):
     inside("model=nsrr", "model.previous=2", "model/reweight=none", "task.jitter=none")
-    tus, nsrr = named(["tus", "nsrr"], [2])
+    tus, nsrr = subjects_by_name(["tus", "nsrr"], [2])
     assert (tus.name, nsrr.name, tus.scale, tus.model["scale"], tus.jitter) == ("tus", "nsrr", 2, 2, "none")
     assert nsrr.model["previous"] == 4  # as published: the command line's switches are those of its model
-    (own,) = named([], [4])
+    (own,) = subjects_by_name([], [4])
     assert own.name == "nsrr reweight=none"
     assert own.model["previous"] == 2
     assert own.architecture != nsrr.architecture
     with pytest.raises(UserError, match=r"methods=dlss is not known: use bicubic, dlctus"):
-        named(["dlss"], [4])
+        subjects_by_name(["dlss"], [4])
 
 
 def test_an_unknown_run(experiment):
     with pytest.raises(UserError, match="There is no run 123"):
-        of_run(experiment, "123")
+        subjects_of_run(experiment, "123")
 
 
 def test_finished_jobs_get_their_time(experiment, capsys):
@@ -117,14 +117,14 @@ def test_finished_jobs_get_their_time(experiment, capsys):
     half = Outcome(Case(**{**vars(CASE), "precision": "bfloat16"}), [8.0], 5e6, ceiling=Ceiling(1e9, 1e9))
     graph = Outcome(Case(**{**vars(CASE), "name": "onnxruntime"}), why="It cannot.")
     timings = [timing_of(o, Work(0, 6e6, 1e6)) for o in (slow, larger, half, graph)]
-    assert tell_jobs(experiment, timings) == 1
+    assert log_times_of_jobs(experiment, timings) == 1
     found = {r: experiment.client.get_run(r).data for r in (same, other, unfinished, sanity)}
     times = {r: {k: v for k, v in d.metrics.items() if k.startswith("time/")} for r, d in found.items()}
     assert times == {same: {"time/eager/ms": 3.0}, other: {}, unfinished: {}, sanity: {}}
     assert found[same].tags["ss.timed_on"] == timings[0].machine
     assert "ss.timed_on" not in found[other].tags
-    assert {s.scale for s in of_run(experiment, "all")} == {2, 4}
-    (one,) = of_run(experiment, other)
+    assert {s.scale for s in subjects_of_run(experiment, "all")} == {2, 4}
+    (one,) = subjects_of_run(experiment, other)
     assert (one.name, one.model, one.scale, one.jitter) == ("bicubic", {**BICUBIC, "scale": 2}, 2, "none")
 
 
@@ -145,7 +145,7 @@ def test_a_timing_s_shares_of_the_ceilings():
 
 def test_a_scale_of_a_run_that_the_size_does_not_fit(inside):
     case = Case(**{**vars(CASE), "scale": 7})
-    assert "no multiple of its scale, 7" in benchmark_command._why(case, None, None)
+    assert "no multiple of its scale, 7" in benchmark._why(case, None, None)
 
 
 @pytest.mark.slow
@@ -160,7 +160,7 @@ def test_the_command(tmp_path):
         "depth=2",
         "device=cpu",
     ]
-    store = [f"paths.root={tmp_path}", f"logger.tracking_uri=sqlite:///{tmp_path}/mlflow.db"]
+    store = [f"paths.root={tmp_path}", f"tracking_uri=sqlite:///{tmp_path}/mlflow.db"]
     command = [sys.executable, "benchmark.py", *given, "backends=[eager,tensorrt]", *store]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr

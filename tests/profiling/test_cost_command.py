@@ -7,8 +7,8 @@ import pytest
 import torch
 from mlflow.tracking import MlflowClient
 
-from supersampling.commands.benchmark import benchmark_command
-from supersampling.commands.cost import cost_command
+from supersampling.commands.benchmark import benchmark
+from supersampling.commands.cost import cost
 from supersampling.commands.train import train
 from supersampling.errors import UserError
 from supersampling.models.bicubic import Bicubic
@@ -21,7 +21,7 @@ from supersampling.runs.experiment import experiment_of
 def trained(make_file, entry, tmp_path):
     """Settings of a store with one trained run, and the run's id."""
     files = [f"data.{s}=[{make_file(tmp_path, s, frames=6)}]" for s in ("train", "val", "test")]
-    tracking = f"logger.tracking_uri=sqlite:///{tmp_path}/mlflow.db"
+    tracking = f"tracking_uri=sqlite:///{tmp_path}/mlflow.db"
     settings = ["data=files", "scene=atrium", "threads=1", f"paths.root={tmp_path}", tracking, *files]
     train(entry("train", *settings, "model=dlctus", "budget=smoke", "baselines=[]", "metrics=fast"))
     client = MlflowClient(f"sqlite:///{tmp_path}/mlflow.db")
@@ -34,7 +34,7 @@ def trained(make_file, entry, tmp_path):
 def test_what_bfloat16_changes_is_taken_against_the_trained_weights(trained, entry):
     settings, run = trained
     cfg = entry("benchmark", *settings, f"run={run.info.run_id}", "precisions=[float32,bfloat16]", "cost=true")
-    table = cost_command(cfg, experiment_of(cfg), {"eager": Eager(), "channels_last": ChannelsLast()})
+    table = cost(cfg, experiment_of(cfg), {"eager": Eager(), "channels_last": ChannelsLast()})
     said = {*zip(table.backend, table.precision)}
     assert said == {("eager", "bfloat16"), ("channels_last", "float32"), ("channels_last", "bfloat16")}
     assert set(table.run) == {run.info.run_id}
@@ -48,7 +48,7 @@ def test_what_bfloat16_changes_is_taken_against_the_trained_weights(trained, ent
 
 def test_cost_without_weights_is_refused(entry, tmp_path):
     with pytest.raises(UserError, match="cost=true needs trained weights"):
-        benchmark_command(entry("benchmark", f"paths.root={tmp_path}", "cost=true", "threads=1"))
+        benchmark(entry("benchmark", f"paths.root={tmp_path}", "cost=true", "threads=1"))
 
 
 def test_native_has_one_method_on_one_device():

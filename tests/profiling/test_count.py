@@ -14,11 +14,11 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 from torch import nn
 
-from supersampling.commands.count import count_command
+from supersampling.commands.count import count
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
 from supersampling.models.bicubic import Bicubic
-from supersampling.models.count import count, size_of
+from supersampling.models.count import count_modules, size_of
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -54,7 +54,7 @@ def expected(h, w):
 @pytest.mark.parametrize("device", ["meta", "cpu"])
 @pytest.mark.parametrize(("h", "w"), [(6, 8), (5, 7), (1, 1)])
 def test_it_is_the_formula(h, w, device):
-    rows = {row.module: row for row in count(Window(), w, h, device=device)}
+    rows = {row.module: row for row in count_modules(Window(), w, h, device=device)}
     assert {name: row.macs for name, row in rows.items() if name != "total"} == expected(h, w)
     assert rows["total"].macs == sum(expected(h, w).values())
     parameters = {"stem": 3 * 8 * 9 + 8 + 8 * 4, "each": 6 * 2 * 25 + 6, "(its own)": 14}
@@ -63,7 +63,7 @@ def test_it_is_the_formula(h, w, device):
 
 
 def test_deeper_rows():
-    rows = {row.module: row for row in count(Window(), 8, 6, depth=2)}
+    rows = {row.module: row for row in count_modules(Window(), 8, 6, depth=2)}
     assert list(rows) == ["stem", "stem.0", "stem.2", "each", "(its own)", "total"]
     assert (rows["stem.0"].macs, rows["stem.2"].macs) == (48 * 216, 48 * 32)
     assert (rows["stem.0"].kind, rows["stem.0"].parameters) == ("Conv2d", 224)
@@ -72,7 +72,7 @@ def test_deeper_rows():
 @pytest.mark.parametrize(("scale", "w", "h"), [(4, 480, 270), (2, 960, 540)])
 def test_dlctus(scale, w, h):
     """Figure 5: a strided 4x4 convolution of 8 to 32 channels and eight of 32, 3x3, at a quarter of the target's size."""
-    total = count(instantiate(composed(f"task.scale={scale}").model), w, h)[-1]
+    total = count_modules(instantiate(composed(f"task.scale={scale}").model), w, h)[-1]
     assert total.parameters == 78_112
     assert total.macs == (w * scale // 4) * (h * scale // 4) * (32 * 8 * 16 + 8 * 32 * 32 * 9)
 
@@ -86,8 +86,8 @@ class Looks(Window):
 
 def test_a_method_that_looks_at_values_needs_a_device():
     with pytest.raises(UserError, match="device=cpu"):
-        count(Looks(), 4, 4)
-    assert count(Looks(), 8, 6, device="cpu")[-1].macs == sum(expected(6, 8).values())
+        count_modules(Looks(), 4, 4)
+    assert count_modules(Looks(), 8, 6, device="cpu")[-1].macs == sum(expected(6, 8).values())
 
 
 class Grows(Window):
@@ -98,7 +98,7 @@ class Grows(Window):
 
 def test_a_state_without_end_is_refused():
     with pytest.raises(UserError, match="still grows"):
-        count(Grows(), 1, 1)
+        count_modules(Grows(), 1, 1)
 
 
 def test_its_groups_are_train_s():
@@ -125,7 +125,7 @@ def test_the_command():
 @pytest.mark.parametrize("override", ["size=[480]", "size=[480,0]", "size=[4.5,4]", "depth=0", "depth=all"])
 def test_mistakes(override):
     with pytest.raises(UserError, match=re.escape(override.replace(",", ", "))):
-        count_command(composed(override))
+        count(composed(override))
 
 
 def test_the_size_that_runs_log():

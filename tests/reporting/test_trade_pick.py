@@ -78,7 +78,7 @@ def test_another_size_and_rendering(ask: Ask, capsys: pytest.CaptureFixture[str]
         ),
         ({"pick.ms": 5, "dataset": "zz"}, "zz"),
         ({"pick.ms": 5, "render.high_ms": 3}, "render.low_ms"),
-        ({"pick.ms": 5, "logger.tracking_uri": "sqlite:///no/such.db"}, "no/such.db"),
+        ({"pick.ms": 5, "tracking_uri": "sqlite:///no/such.db"}, "no/such.db"),
     ],
 )
 def test_mistakes(ask: Ask, given: dict[str, Any], told: str) -> None:
@@ -90,7 +90,7 @@ def test_without_times(tmp_path: Path, ask: Ask) -> None:
     log = Log(tmp_path)
     trained(log)
     with pytest.raises(UserError, match=r"benchmark.py"):
-        pick_command(ask(**{"pick.ms": 5, "logger.tracking_uri": log.uri}))
+        pick_command(ask(**{"pick.ms": 5, "tracking_uri": log.uri}))
 
 
 def test_what_asks_for_a_pick(ask: Ask) -> None:

@@ -6,7 +6,7 @@ import pytest
 import torch
 from mlflow.tracking import MlflowClient
 
-from supersampling.commands.stress import stress_command
+from supersampling.commands.stress import stress
 from supersampling.errors import UserError
 from supersampling.runs.checkpoint import KEY
 from supersampling.stress import precision
@@ -17,7 +17,7 @@ from supersampling.stress.plan import EXTREMES, GROUPS, OTHERS, choose
 
 @pytest.fixture
 def given(tmp_path):
-    store = f"logger.tracking_uri=sqlite:///{tmp_path}/mlflow.db"
+    store = f"tracking_uri=sqlite:///{tmp_path}/mlflow.db"
     return ["threads=1", "device=cpu", "size=[6,5]", f"paths.root={tmp_path}", store]
 
 
@@ -32,7 +32,7 @@ def table_of(tmp_path):
 def test_a_table_is_logged_and_printed(entry, given, tmp_path, capsys):
     models = "models=[jau,'tus model/reproject=bilinear']"
     wanted = "extremes=[motion,gate,recovery]"
-    assert stress_command(entry("stress", *given, models, wanted, "precisions=[float32]"))
+    assert stress(entry("stress", *given, models, wanted, "precisions=[float32]"))
     run, table = table_of(tmp_path)
     assert table["columns"] == COLUMNS
     rows = [dict(zip(table["columns"], row)) for row in table["data"]]
@@ -52,7 +52,7 @@ def test_a_table_is_logged_and_printed(entry, given, tmp_path, capsys):
 def test_a_failed_verdict_is_shown_and_decides(entry, given, monkeypatch, tmp_path, capsys):
     strict = precision.Precision("float32", torch.float32, 1e-30, 1e-30, "")
     monkeypatch.setitem(precision.PRECISIONS, "float32", strict)
-    assert not stress_command(entry("stress", *given, "models=[jau]", "extremes=[scale]", "precisions=[float32]"))
+    assert not stress(entry("stress", *given, "models=[jau]", "extremes=[scale]", "precisions=[float32]"))
     out = capsys.readouterr().out
     assert "fails" in out
     assert "above 1e-30" in out
@@ -76,7 +76,7 @@ def test_a_failed_verdict_is_shown_and_decides(entry, given, monkeypatch, tmp_pa
 )
 def test_mistakes(entry, given, overrides, part):
     with pytest.raises(UserError, match=part) as caught:
-        stress_command(entry("stress", *given, *overrides))
+        stress(entry("stress", *given, *overrides))
     assert "\n" not in str(caught.value)
 
 
@@ -86,7 +86,7 @@ def test_a_precision_that_the_device_lacks(entry, given, monkeypatch):
 
     monkeypatch.setattr(torch.nn.Conv2d, "forward", refuse)
     with pytest.raises(UserError, match=r"precisions=float16 is not possible: cpu has no float16 convolution"):
-        stress_command(entry("stress", *given, "precisions=[float16]"))
+        stress(entry("stress", *given, "precisions=[float16]"))
 
 
 @pytest.fixture
@@ -109,9 +109,7 @@ def checkpoint(entry, tmp_path):
 
 
 def test_trained_weights_are_tried_at_their_own_scale(entry, given, checkpoint, tmp_path):
-    assert stress_command(
-        entry("stress", *given, f"checkpoint={checkpoint}", "extremes=[scale]", "precisions=[float32]")
-    )
+    assert stress(entry("stress", *given, f"checkpoint={checkpoint}", "extremes=[scale]", "precisions=[float32]"))
     rows = [dict(zip(*pair)) for pair in [(table_of(tmp_path)[1]["columns"], r) for r in table_of(tmp_path)[1]["data"]]]
     assert {row["model"] for row in rows} == {"dlctus"}
     tried = [row for row in rows if row["verdict"] == "holds"]
@@ -121,7 +119,7 @@ def test_trained_weights_are_tried_at_their_own_scale(entry, given, checkpoint, 
 
 def test_a_checkpoint_of_another_architecture(entry, given, checkpoint):
     with pytest.raises(UserError, match="DLCTUS.*TUS|leave model") as caught:
-        stress_command(entry("stress", *given, f"checkpoint={checkpoint}", "model=tus"))
+        stress(entry("stress", *given, f"checkpoint={checkpoint}", "model=tus"))
     assert "\n" not in str(caught.value)
 
 

@@ -79,7 +79,7 @@ def test_a_stopped_sweep_stops_and_goes_on_to_the_same_weights(how, files, whole
     assert len(checkpoints(cut)) == 1  # it did not go on to the next job
     if how == signal.SIGTERM:
         assert process.returncode == 130
-        assert "goes on from here" in said
+        assert "continues from here" in said
         assert statuses(cut, "job") == ["KILLED"]
         assert statuses(cut, "sweep") == ["KILLED"]
 

@@ -10,6 +10,7 @@ from mlflow.tracking import MlflowClient
 from mlflow.tracking._tracking_service.utils import _get_store
 from sqlalchemy import text
 
+from supersampling.commands.train import train
 from supersampling.errors import UserError
 from supersampling.runs.checkpoint import load_weights
 from supersampling.runs.experiment import open_experiment
@@ -176,7 +177,7 @@ def test_an_interrupt_in_the_middle_of_a_transaction_is_noted(entry, files, tmp_
     data = [f"data.{split}=[{paths[0]}]" for split, paths in files.items()]
     small = ["data=files", "scene=atrium", "model=bicubic", "baselines=[]", "metrics=fast", "threads=1"]
     with pytest.raises(KeyboardInterrupt):
-        job.train(entry("train", *small, *data, f"paths.root={tmp_path}", f"logger.tracking_uri={uri}"))
+        train(entry("train", *small, *data, f"paths.root={tmp_path}", f"tracking_uri={uri}"))
     client = MlflowClient(uri)
     known = client.get_experiment_by_name("supersampling").experiment_id
     (run,) = client.search_runs([known], "tags.`ss.kind` = 'job'")

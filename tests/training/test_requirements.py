@@ -34,7 +34,7 @@ def test_what_it_reads(overrides):
 
 def test_a_bicubic_run_renders_colour_alone(tmp_path):
     small = ["data=smoke", "scene=foundry", "data.train.clips=1", f"paths.root={tmp_path}"]
-    store = f"logger.tracking_uri=sqlite:///{tmp_path}/mlflow.db"
+    store = f"tracking_uri=sqlite:///{tmp_path}/mlflow.db"
     run = [sys.executable, "train.py", "model=bicubic", "metrics=fast", "baselines=[]", *small, store]
     done = subprocess.run(run, cwd=ROOT, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr

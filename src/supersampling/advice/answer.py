@@ -16,24 +16,14 @@ from supersampling.advice.cost import Cost, Size
 from supersampling.advice.halving import Answer, Search
 from supersampling.advice.prior import Reason
 from supersampling.advice.prior import rows as reason_rows
-from supersampling.advice.space import Composition, key_of
+from supersampling.advice.space import Composition
 from supersampling.advice.trainings import Trainings
+from supersampling.config import key_of
+from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment
+from supersampling.runs.keys import Effect, effect_of
 
-# What says where and how a search ran, not what it found.
-_NOT_FOUND = (
-    "paths",
-    "logger",
-    "trainer",
-    "threads",
-    "workers",
-    "hydra",
-    "metrics",
-    "fresh",
-    "baselines",
-    "debug",
-    "seed",
-)
+SEED, SCENE = "seed", "scene"  # set by the search, and by the file itself
 
 
 def experiment_file(overrides: Sequence[str], scenes: Sequence[str]) -> str:
@@ -43,7 +33,7 @@ def experiment_file(overrides: Sequence[str], scenes: Sequence[str]) -> str:
     loader = GlobalHydra.instance().config_loader()
     for override in OverridesParser.create().parse_overrides(list(overrides)):
         key = override.key_or_group
-        if key.split(".")[0] in _NOT_FOUND or key == "scene":
+        if key in (SEED, SCENE) or effect_of(key) in (Effect.NOTHING, Effect.COMMAND) or key.startswith("trainer"):
             continue
         if "." not in key and loader.get_group_options(key):
             groups.append({f"override /{key}": override.value()})
@@ -160,14 +150,14 @@ def _plain(value: float) -> float | None:
 
 def log(experiment: Experiment, found: Found, dataset: str, facts: pd.DataFrame, text: str) -> str:
     """A run of kind ``advice``; every table is an artifact. Returns its id."""
-    tags = {
-        "ss.kind": "advice",
-        "ss.dataset": dataset,
-        "ss.scene": found.scene,
-        "ss.space": found.space,
-        "ss.method": found.chosen.name,
+    run_tags = {
+        tags.KIND: "advice",
+        tags.DATASET: dataset,
+        tags.SCENE: found.scene,
+        tags.SPACE: found.space,
+        tags.METHOD: found.chosen.name,
     }
-    run_id = experiment.start(f"advice {found.space} on {found.scene}", tags, None)
+    run_id = experiment.start(f"advice {found.space} on {found.scene}", run_tags, None)
     client = experiment.client
     client.log_table(run_id, found.search_table(), "search.json")
     client.log_table(run_id, found.parts_table(), "contributions.json")

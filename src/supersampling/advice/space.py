@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
+from supersampling.config import key_of
 from supersampling.errors import UserError
 
 
@@ -91,11 +92,6 @@ class Space:
             replace(s, options={o: s.options[o] for o in options}) if s.name == switch else s for s in self.switches
         )
         return replace(self, switches=tuple(left))
-
-
-def key_of(override: str) -> str:
-    """What an override sets."""
-    return override.partition("=")[0].lstrip("+~")
 
 
 def merged(overrides: Sequence[str]) -> list[str]:

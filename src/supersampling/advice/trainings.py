@@ -7,21 +7,19 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from hydra import compose
 from hydra.utils import instantiate
 from mlflow.entities import Run
-from omegaconf import DictConfig, open_dict
+from omegaconf import DictConfig
 
 from supersampling.advice.halving import Values
 from supersampling.advice.space import Composition, merged
-from supersampling.data.module import fingerprint
+from supersampling.config import composed
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
+from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment
-from supersampling.runs.identity import identity
 from supersampling.runs.naming import is_learned
 from supersampling.runs.scores import scores_of
-from supersampling.runs.store import SEARCHED
 from supersampling.training.check import check_numbers
 from supersampling.training.job import Files, Job, fitting_buffers, scoring_buffers
 
@@ -37,12 +35,9 @@ class Composed:
 
     @classmethod
     def of(cls, overrides: Sequence[str]) -> "Composed":
-        cfg = compose("train", merged(["baselines=[]", "metrics=fast", *overrides]), return_hydra_config=True)
-        choices = dict(cfg.hydra.runtime.choices)
-        with open_dict(cfg):
-            del cfg["hydra"]
-        check_numbers(cfg)
-        return cls(cfg, choices)
+        composition = composed("train", merged(["baselines=[]", "metrics=fast", *overrides]))
+        check_numbers(composition.cfg)
+        return cls(composition.cfg, composition.choices)
 
     @property
     def steps(self) -> int:
@@ -113,14 +108,17 @@ class Trainings:
 
     def _one(self, candidate: int, rung: int, seed: int) -> np.ndarray[Any, np.dtype[np.float64]]:
         composed = self.composed(candidate, rung, seed)
-        key = self._identity(composed)
-        before = self.experiment.find(key)
-        Job(composed.cfg, composed.choices, self.files, self.experiment, announce=False).run()
-        run = self.experiment.find(key)
-        assert run is not None
-        mine = before is None
-        if mine and composed.steps and rung + 1 < len(self.rungs.epochs):
-            self.experiment.client.set_tag(run.info.run_id, SEARCHED, str(rung + 1))
+        job = Job(composed.cfg, composed.choices, self.files, self.experiment, announce=False)
+        before = self.experiment.find(job.identity)
+        job.run()
+        run = self.experiment.find(job.identity)
+        if run is None:
+            raise RuntimeError(
+                f"The run of {job.name} disappeared from {self.experiment.tracking_uri} while it was scored"
+            )
+        key = job.identity.key
+        if before is None and composed.steps and rung + 1 < len(self.rungs.epochs):
+            self.experiment.client.set_tag(run.info.run_id, tags.SEARCH, str(rung + 1))
         if key not in self.seen:
             self.seen.add(key)
             self._count(composed, run)
@@ -130,11 +128,6 @@ class Trainings:
         self.spent += composed.steps
         self.count += 1
         self.minutes += run.data.metrics.get("train/minutes", 0.0)
-
-    def _identity(self, composed: Composed) -> str:
-        names = fitting_buffers(composed.cfg)
-        content = {split: fingerprint(paths, names) for split, paths in self.files.items()}
-        return identity(composed.cfg, content, is_learned(composed.model()))
 
     def _values(self, run: Run) -> np.ndarray[Any, np.dtype[np.float64]]:
         scores = scores_of(self.experiment, run.info.run_id)

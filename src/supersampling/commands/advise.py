@@ -1,11 +1,10 @@
-"""What ``advise.py`` does: look at the scene, leave out what it cannot need, search the rest, answer."""
+"""The command ``advise``: measure the scene, leave out what it cannot need, search the rest, answer."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 import torch
-from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig
 
 from supersampling.advice import answer, tell
@@ -13,26 +12,30 @@ from supersampling.advice.facts import Fact, measure
 from supersampling.advice.prior import Reason, prune, within
 from supersampling.advice.search import Question, search, varied
 from supersampling.advice.settings import settings_of
-from supersampling.advice.space import Space, key_of
+from supersampling.advice.space import Space
 from supersampling.advice.trainings import Composed
+from supersampling.config import key_of, typed_overrides
 from supersampling.data.module import fingerprint
 from supersampling.data.store import Store
 from supersampling.runs.experiment import experiment_of
+from supersampling.runs.keys import Effect, effect_of
 from supersampling.training.job import data_files
 
-# What is this command's own; all else that is set holds for the trainings.
-_OWN = (
-    "margin", "rungs", "seeds", "steps", "search", "trials", "walk", "prune", "size", "frames", "render_costs", "out", "among",
-    "hydra", "seed",
-)  # fmt: skip
+SEED = "seed"  # the search sets its own
 
 
-def passed_on(given: Sequence[str]) -> list[str]:
-    """The overrides that are train.py's."""
-    return [o for o in given if key_of(o).split(".")[0].split("/")[0] not in _OWN]
+def training_overrides(overrides: Sequence[str]) -> list[str]:
+    """Return the overrides that hold for the trainings, not for the search."""
+    return [
+        override
+        for override in overrides
+        if key_of(override) != SEED
+        and not key_of(override).startswith("hydra")
+        and effect_of(key_of(override)) is not Effect.COMMAND
+    ]
 
 
-def advise_command(cfg: DictConfig) -> None:
+def advise(cfg: DictConfig) -> None:
     """Print and log the answer, and write it as an experiment of train.py.
 
     Raises:
@@ -41,7 +44,7 @@ def advise_command(cfg: DictConfig) -> None:
     settings = settings_of(cfg)
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
-    whole = settings.space.fixed(passed_on(list(HydraConfig.get().overrides.task)))
+    whole = settings.space.fixed(training_overrides(typed_overrides()))
     space, reasons = _held(whole)
     files = data_files(cfg, [c.cfg for c in varied(space)])
     paths = [path for split in files.values() for path in split]

@@ -1,4 +1,4 @@
-"""What ``benchmark.py`` does."""
+"""The command ``benchmark``: time methods in streaming use, whole and by parts."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,8 +11,8 @@ import torch
 from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
-from supersampling.commands.cost import cost_command
-from supersampling.commands.pick import pick_command, wants_pick
+from supersampling.commands import settings
+from supersampling.commands.cost import cost
 from supersampling.errors import UserError
 from supersampling.profiling.backends import Backend
 from supersampling.profiling.interleave import Outcome, Rounds, measure
@@ -22,11 +22,11 @@ from supersampling.profiling.traffic import Work, work
 from supersampling.profiling.worker import Case, pin
 from supersampling.runs import drift
 from supersampling.runs.experiment import Experiment, experiment_of, machine
-from supersampling.runs.subjects import Subject, named, of_run
+from supersampling.runs.subjects import Subject, subjects_by_name, subjects_of_run
 from supersampling.runs.timing import Timing
-from supersampling.runs.timing_log import log, tell_jobs
+from supersampling.runs.timing_log import log, log_times_of_jobs
 
-_WHOLE = {"rounds": 1, "frames": 1, "depth": 0, "threads": 1}  # numbers and what they are from
+_WHOLE = {"rounds": 1, "frames": 1, "depth": 0, "threads": 1}  # the smallest allowed numbers
 LARGEST = 2**14  # pixels a side
 # What a row of either table is about.
 IDENTIFYING = (
@@ -34,7 +34,7 @@ IDENTIFYING = (
 )  # fmt: skip
 
 
-def benchmark_command(cfg: DictConfig) -> None:
+def benchmark(cfg: DictConfig) -> None:
     """Time every method at every size under every backend and precision, print a table, and log it to MLflow.
 
     A combination that does not run is a row that says why.
@@ -42,23 +42,20 @@ def benchmark_command(cfg: DictConfig) -> None:
     Raises:
         UserError: a setting that is not possible, or an unknown method, backend, precision or run.
     """
-    if wants_pick(cfg):
-        pick_command(cfg)
-        return
     check_settings(cfg)
     pin(cfg.threads)
     experiment = experiment_of(cfg)
     subjects = _subjects(cfg, experiment)
-    device = _device(cfg.device)
+    device = settings.device(cfg.device)
     backends: dict[str, Any] = OmegaConf.to_container(cfg.backends, resolve=True)  # type: ignore[assignment]
     timings, stages = timed(cfg, subjects, backends, device)
     show(timings, stages)
     run_id = log(experiment, cfg, timings, stages)
     try:
-        tell_jobs(experiment, timings)
+        log_times_of_jobs(experiment, timings)
         if cfg.cost:
             made = {name: instantiate(backend) for name, backend in backends.items()}
-            changed = cost_command(cfg, experiment, made)
+            changed = cost(cfg, experiment, made)
             if len(changed):
                 experiment.client.log_table(run_id, changed, drift.TABLE)
     except BaseException:
@@ -74,19 +71,17 @@ def check_settings(cfg: DictConfig) -> None:
         UserError: names the key, the value and what is possible.
     """
     for key, least in _WHOLE.items():
-        if not isinstance(cfg[key], int) or isinstance(cfg[key], bool) or cfg[key] < least:
-            raise UserError(f"{key}={cfg[key]} is not possible: use a whole number from {least} up.")
-    if not isinstance(cfg.seconds, (int, float)) or not cfg.seconds > 0:
-        raise UserError(f"seconds={cfg.seconds} is not possible: use a number above 0.")
+        settings.whole(cfg, key, least)
+    settings.positive(cfg, "seconds")
     for scale in _scales(cfg):
         if not isinstance(scale, int) or scale < 1:
-            raise UserError(f"scales={scale} is not possible: use whole numbers from 1 up.")
+            raise UserError(f"Invalid scale {scale} in scales: use whole numbers of at least 1.")
     for precision in cfg.precisions:
         if precision not in TYPES:
-            raise UserError(f"precisions={precision} is not known: use {', '.join(TYPES)}.")
+            raise UserError(f"Unknown precision {precision} in precisions: use {', '.join(TYPES)}.")
     for size in cfg.sizes:
-        if not _is_size(size):
-            raise UserError(f"sizes={size} is not possible: use [[width,height],...] of the target in pixels.")
+        if not settings.is_size(size, LARGEST):
+            raise UserError(f"Invalid size {size} in sizes: use [[width,height],...] of the target in pixels.")
         for scale in _scales(cfg):
             if any(side % scale for side in size):
                 raise UserError(
@@ -102,27 +97,14 @@ def check_settings(cfg: DictConfig) -> None:
         raise UserError(f"run={cfg.run} and methods={list(cfg.methods)} exclude each other: give one.")
 
 
-def _is_size(size: Any) -> bool:
-    return OmegaConf.is_list(size) and len(size) == 2 and all(isinstance(n, int) and 1 <= n <= LARGEST for n in size)
-
-
 def _scales(cfg: DictConfig) -> list[int]:
     return [] if cfg.run else list(cfg.scales)
 
 
-def _device(name: str) -> torch.device:
-    """Raises `UserError` of a device that is not there."""
-    if name == "auto":
-        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    if name not in ("cpu", "cuda") or (name == "cuda" and not torch.cuda.is_available()):
-        raise UserError(f"device={name} is not there: use cpu{', cuda' if torch.cuda.is_available() else ''} or auto.")
-    return torch.device(name)
-
-
 def _subjects(cfg: DictConfig, experiment: Experiment) -> list[Subject]:
     if cfg.run:
-        return of_run(experiment, cfg.run)
-    return named(list(cfg.methods), list(cfg.scales))
+        return subjects_of_run(experiment, cfg.run)
+    return subjects_by_name(list(cfg.methods), list(cfg.scales))
 
 
 def timed(

@@ -18,19 +18,19 @@ from supersampling.runs.drift import changes
 from supersampling.runs.experiment import Experiment
 from supersampling.runs.method import method_of
 from supersampling.runs.naming import is_learned
-from supersampling.runs.subjects import Subject, runs_of
+from supersampling.runs.subjects import Subject, runs_with_subjects
 
 EXACT = ("eager", "float32")  # what the others are compared with
 
 
-def cost_command(cfg: DictConfig, experiment: Experiment, made: Mapping[str, Backend]) -> pd.DataFrame:
+def cost(cfg: DictConfig, experiment: Experiment, made: Mapping[str, Backend]) -> pd.DataFrame:
     """Roll the runs' methods over the first clip of each of the data's test scenes, under every backend and precision; print what
     each changes, and give the table, without rows where there is nothing to compare.
 
     Raises:
         UserError: the data are of another scale than a run, or its weights are gone.
     """
-    tables = [_of_run(cfg.copy(), run_id, subject, made) for run_id, subject in runs_of(experiment, cfg.run)]
+    tables = [_of_run(cfg.copy(), run_id, subject, made) for run_id, subject in runs_with_subjects(experiment, cfg.run)]
     found = pd.concat([pd.DataFrame(), *tables], ignore_index=True)
     if len(found):
         _show(found)

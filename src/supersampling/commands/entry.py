@@ -1,4 +1,4 @@
-"""How an entry point runs its task: the user's mistakes become one sentence, ours keep their stack trace."""
+"""The start of every command: ``supersampling train ...`` and ``python train.py ...`` both come here."""
 
 import logging
 import os
@@ -6,66 +6,164 @@ import signal
 import sys
 import traceback
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
+import hydra
+import yaml
 from hydra.core.hydra_config import HydraConfig
+from hydra.errors import HydraException
 from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig
+from omegaconf.errors import OmegaConfBaseException
 
-from supersampling.errors import find_user_error, was_interrupted
+from supersampling.commands import campaign
+from supersampling.commands.overrides import check_overrides, explanation
+from supersampling.commands.resolvers import register
+from supersampling.config import VERSION_BASE
+from supersampling.errors import UserError, find_user_error, was_interrupted
+from supersampling.resources import VARIABLE, resources
 
 USER_ERROR_STATUS = 2
-
+INTERRUPTED_STATUS = 130
+COMMANDS = (
+    "train", "evaluate", "report", "compare", "pick", "render", "show", "import_capture", "export_capture", "count",
+    "benchmark", "export", "stress", "advise",
+)  # fmt: skip
+"""A command's function is ``supersampling.commands.NAME.NAME``, its configuration ``conf/NAME.yaml``."""
 
 FAILED: list[int] = []
-"""The statuses of a multirun's jobs that failed."""
+"""The exit statuses of the jobs that failed."""
 
 
 class ExitStatus(Callback):
-    """A multirun's exit status is that of the first job that failed."""
+    """Ends a multirun with the exit status of the first job that failed."""
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:
         if FAILED:
-            sys.stderr.write(f"{len(FAILED)} of the jobs failed; the same command repeats these alone.\n")
+            sys.stderr.write(f"{len(FAILED)} of the jobs failed; the same command repeats only these.\n")
             sys.exit(FAILED[0])
 
 
-def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
-    """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2; Ctrl-C and SIGTERM end it with 130.
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run ``supersampling COMMAND ...``; without a command, print a line per command."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    name = words[0].replace("-", "_") if words else ""
+    if name in COMMANDS:
+        launch(name, words[1:])
+        return
+    if words and words[0] not in ("-h", "--help"):
+        sys.stderr.write(f"error: Unknown command {words[0]}: use one of {', '.join(COMMANDS)}.\n")
+        sys.exit(USER_ERROR_STATUS)
+    print(
+        "supersampling COMMAND [group=option] [key=value] ...        supersampling COMMAND --help says what can be set\n"
+    )
+    for command in COMMANDS:
+        print(f"  {command:15} {summary(command)}")
 
-    A multirun's other jobs go on after one that failed: see `ExitStatus`.
+
+def summary(name: str) -> str:
+    """Return the first sentence of a command's help."""
+    config = yaml.safe_load((resources() / "conf" / f"{name}.yaml").read_text(encoding="utf-8"))
+    return str(" ".join(config["hydra"]["help"]["header"].split()).partition(". ")[0].partition(": ")[0].rstrip("."))
+
+
+def script(path: str) -> None:
+    """Run the command of a script at the project's root; its outputs go beside the script."""
+    os.environ.setdefault(VARIABLE, str(Path(path).resolve().parent))
+    launch(Path(path).stem, sys.argv[1:])
+
+
+def launch(name: str, arguments: Sequence[str]) -> None:
+    """Run a command as Hydra reads its arguments, and exit with its status.
+
+    0 is success, 1 an error of ours with its stack trace, 2 a mistake of the user's in one sentence, 130 an interrupt; a command
+    may return a status of its own.
     """
-    _quiet()
+    os.environ.setdefault(VARIABLE, os.getcwd())
+    os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra's exceptions reach us instead of its own report
+    register()
+    sys.argv = [sys.argv[0], *arguments]
+    try:
+        if name == "train" and (commands := campaign.commands(arguments)):
+            sys.exit(campaign.run_each(commands))
+        check_overrides(name, arguments)
+        application(name)()
+    except UserError as error:
+        _exit_with(error)
+    except (HydraException, OmegaConfBaseException) as error:
+        sentence = explanation(name, arguments, error)
+        if sentence is None:
+            raise
+        _exit_with(UserError(sentence))
+    if FAILED:
+        sys.exit(FAILED[0])
+
+
+def _exit_with(error: UserError) -> None:
+    sys.stderr.write(f"error: {error}\n")
+    sys.exit(USER_ERROR_STATUS)
+
+
+def application(name: str) -> Callable[[], Any]:
+    """Return the Hydra application of a command."""
+
+    def task(cfg: DictConfig) -> None:
+        # Imported here so that --help is quick.
+        command = getattr(import_module(f"supersampling.commands.{name}"), name)
+        run(command, cfg)
+
+    task.__module__ = f"supersampling.commands.{name}"
+    decorate = hydra.main(config_path=str(resources() / "conf"), config_name=name, version_base=VERSION_BASE)
+    return decorate(task)  # type: ignore[no-any-return]
+
+
+def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
+    """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2; Ctrl-C and SIGTERM exit with 130.
+
+    A task may return an exit status of its own. The other jobs of a multirun continue after one that failed: see `ExitStatus`.
+    """
+    _silence_libraries()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        task(cfg)
+        status = task(cfg)
     except (Exception, KeyboardInterrupt, SystemExit) as error:
-        if was_interrupted(error):
-            sys.stderr.write("\nInterrupted: the same command goes on from here.\n")
-            sys.exit(130)
-        user_error = find_user_error(error)
-        several = HydraConfig.initialized() and HydraConfig.get().mode == RunMode.MULTIRUN
-        if user_error is not None:
-            sys.stderr.write(f"error: {user_error}\n")
-        elif several:
-            traceback.print_exc()
-        else:
-            raise
-        status = 1 if user_error is None else USER_ERROR_STATUS
-        if not several:
+        status = _status_of(error)
+    if isinstance(status, int) and not isinstance(status, bool) and status:
+        if not _is_multirun():
             sys.exit(status)
         FAILED.append(status)
 
 
-def _quiet() -> None:
-    """Silence what libraries say about themselves; warnings about the user's data stay."""
+def _is_multirun() -> bool:
+    return HydraConfig.initialized() and HydraConfig.get().mode == RunMode.MULTIRUN
+
+
+def _status_of(error: BaseException) -> int:
+    """Report an exception and return the exit status; ours is raised again outside of a multirun."""
+    if was_interrupted(error):
+        sys.stderr.write("\nInterrupted: the same command continues from here.\n")
+        sys.exit(INTERRUPTED_STATUS)
+    user_error = find_user_error(error)
+    if user_error is not None:
+        sys.stderr.write(f"error: {user_error}\n")
+        return USER_ERROR_STATUS
+    if not _is_multirun():
+        raise error
+    traceback.print_exception(error)
+    return 1
+
+
+def _silence_libraries() -> None:
+    """Silence what libraries report about themselves; warnings about the user's data stay."""
     os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
     os.environ.setdefault("MLFLOW_LOGGING_LEVEL", "ERROR")
     os.environ.setdefault("MLFLOW_ENABLE_ARTIFACTS_PROGRESS_BAR", "false")
     os.environ.setdefault("GIT_PYTHON_REFRESH", "quiet")
     warnings.filterwarnings("ignore", category=UserWarning, module=r"lightning\..*")
     warnings.filterwarnings("ignore", category=FutureWarning)
-    for name in ("lightning.pytorch", "mlflow", "alembic"):
-        logging.getLogger(name).setLevel(logging.ERROR)
+    for library in ("lightning.pytorch", "mlflow", "alembic"):
+        logging.getLogger(library).setLevel(logging.ERROR)

@@ -1,4 +1,4 @@
-"""What ``evaluate.py`` does."""
+"""The command ``evaluate``: score a method, or frames that another program upscaled."""
 
 import math
 from collections.abc import Mapping
@@ -8,40 +8,34 @@ import torch
 from hydra.utils import instantiate
 from omegaconf import DictConfig
 
+from supersampling.commands import settings
 from supersampling.data.module import Source, fingerprint
-from supersampling.errors import UserError
+from supersampling.evaluation import result
 from supersampling.evaluation.folder import clip_files
-from supersampling.evaluation.playback import (
-    DisplayImages,
-    Playback,
-    RadianceImages,
-    Targets,
-    recorded_methods,
-)
-from supersampling.evaluation.result import Result, evaluate
+from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, Targets, recorded_methods
+from supersampling.evaluation.result import Result
 from supersampling.evaluation.score import evaluation_requires
 from supersampling.metrics.chosen import Metrics
 from supersampling.models.base import Upsampler
+from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment, experiment_of
 from supersampling.runs.method import method_of
-from supersampling.runs.sanity import protocol_parameters, score_once, score_sanity
+from supersampling.runs.sanity import Untrained, protocol_parameters, score_once, score_sanity
 from supersampling.runs.scores import log_result
 
 RECORDINGS = {"display": (".png", DisplayImages), "radiance": (".exr", RadianceImages)}
 
 
-def evaluate_command(cfg: DictConfig) -> None:
+def evaluate(cfg: DictConfig) -> None:
     """Score the configured method, or frames that another program upscaled, print a table by scene, and log it to MLflow.
 
     A method's evaluation is a run of kind ``evaluation``; frames of another program become baselines (kind ``job``), which are
-    scored once, and so do the reference and the raw input (kind ``sanity``).
+    scored once, as are the reference and the raw input (kind ``sanity``).
 
     Raises:
         UserError: no such run or checkpoint, or one of another scale or model; images that are missing or of another kind.
     """
-    chosen = [key for key in ("checkpoint", "run", "capture", "frames") if cfg[key]]
-    if len(chosen) > 1:
-        raise UserError(f"{chosen[0]}={cfg[chosen[0]]} and {chosen[1]}={cfg[chosen[1]]} exclude each other: give one.")
+    settings.exclusive(cfg, "checkpoint", "run", "capture", "frames")
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
     if cfg.capture or cfg.frames:
@@ -51,12 +45,16 @@ def evaluate_command(cfg: DictConfig) -> None:
     metrics: Metrics = instantiate(cfg.metrics)
     files = _test_files(cfg, method.model, metrics)
     sanity = score_sanity(cfg, files, experiment)
-    result = evaluate(method.model, metrics, instantiate(cfg.protocol), files)
-    _print(method.name, result, sanity)
-    tags = {"ss.kind": "evaluation", "ss.dataset": fingerprint(files, ["target"]), "ss.method": method.name}
-    run_id = experiment.start(f"evaluate {method.name}", tags, None)
+    scores = result.evaluate(method.model, metrics, instantiate(cfg.protocol), files)
+    _print_table(method.name, scores, sanity)
+    run_tags = {
+        tags.KIND: "evaluation",
+        tags.DATASET: fingerprint(files, ["target"]),
+        tags.METHOD: method.name,
+    }
+    run_id = experiment.start(f"evaluate {method.name}", run_tags, None)
     experiment.log_params(run_id, {**method.parameters, **protocol_parameters(cfg)})
-    log_result(experiment, run_id, result, {})
+    log_result(experiment, run_id, scores, {})
     experiment.finish(run_id)
 
 
@@ -68,29 +66,28 @@ def _test_files(cfg: DictConfig, model: Upsampler, metrics: Metrics) -> list[Pat
 def _score_recordings(experiment: Experiment, cfg: DictConfig) -> None:
     files = _test_files(cfg, Playback(cfg.task.scale, Targets([])), instantiate(cfg.metrics))
     sanity = score_sanity(cfg, files, experiment)
-    methods = recorded_methods(Path(cfg.capture), files) if cfg.capture else _of_folder(cfg, files)
+    methods = recorded_methods(Path(cfg.capture), files) if cfg.capture else _methods_of_folder(cfg, files)
     for name, model in methods.items():
-        result, _ = score_once(cfg, experiment, "job", name, model, model.recording.fingerprint, files)
-        if result is None:
+        method = Untrained(kind="job", name=name, model=model, content=model.recording.fingerprint)
+        scores, _ = score_once(cfg, experiment, method, files)
+        if scores is None:
             print(f"{name}: scored before.")
         else:
-            _print(name, result, sanity)
+            _print_table(name, scores, sanity)
 
 
-def _of_folder(cfg: DictConfig, files: list[Path]) -> dict[str, Playback]:
-    if cfg.space not in RECORDINGS:
-        raise UserError(f"space={cfg.space} is none of {', '.join(RECORDINGS)}: say what the frames hold.")
-    suffix, images = RECORDINGS[cfg.space]
+def _methods_of_folder(cfg: DictConfig, files: list[Path]) -> dict[str, Playback]:
+    suffix, images = RECORDINGS[settings.choice(cfg, "space", RECORDINGS)]
     folder = Path(cfg.frames)
     recording = images(clip_files(folder, files, suffix))
     return {cfg.name or folder.resolve().name: Playback(cfg.task.scale, recording)}
 
 
-def _print(name: str, result: Result, sanity: Mapping[str, Mapping[str, float]]) -> None:
-    """The means of every scene and of all clips, beside those of the raw input and of the reference."""
-    table = result.clips.groupby("scene", sort=False)[result.metrics].mean()
-    table.loc["all clips"] = result.clips[result.metrics].mean()
-    for other, means in sanity.items():
-        table.loc[other] = [means.get(metric, math.nan) for metric in result.metrics]
-    print(f"{name}: {len(result.clips)} clips, each of which weighs the same")
+def _print_table(name: str, scores: Result, sanity: Mapping[str, Mapping[str, float]]) -> None:
+    """Print the means of every scene and of all clips, beside those of the raw input and of the reference."""
+    table = scores.clips.groupby("scene", sort=False)[scores.metrics].mean()
+    table.loc["all clips"] = scores.clips[scores.metrics].mean()
+    for row, means in sanity.items():
+        table.loc[row] = [means.get(metric, math.nan) for metric in scores.metrics]
+    print(f"{name}: {len(scores.clips)} clips of equal weight")
     print(table.round(4).T.to_string())

@@ -1,4 +1,4 @@
-"""What ``export.py`` does."""
+"""The command ``export``: a method as ONNX graphs, checked against PyTorch."""
 
 import json
 import os
@@ -12,10 +12,12 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 from torch import Tensor
 
+from supersampling.commands import settings
 from supersampling.data.module import Source
+from supersampling.deploy import graph
 from supersampling.deploy.check import Difference, at_other_sizes, compare, random_frames, recorded_frames
 from supersampling.deploy.describe import describe
-from supersampling.deploy.graph import MULTIPLES, Graphs, export
+from supersampling.deploy.graph import MULTIPLES, Graphs
 from supersampling.deploy.runner import Runner, sidecar
 from supersampling.deploy.runtimes import OnnxRuntime, OpenVINO
 from supersampling.errors import UserError
@@ -35,7 +37,7 @@ class Precomputes(Protocol):
     def with_precomputed_kernels(self, jitters: Tensor) -> Upsampler: ...
 
 
-def export_command(cfg: DictConfig) -> None:
+def export(cfg: DictConfig) -> None:
     """Export what ``checkpoint``, ``run`` or ``model`` name, compare it with PyTorch in each runtime, then put it in place.
 
     Raises:
@@ -43,13 +45,12 @@ def export_command(cfg: DictConfig) -> None:
             PyTorch than ``tolerance``; nothing is written then.
     """
     _check_settings(cfg)
-    if cfg.run and cfg.checkpoint:
-        raise UserError(f"checkpoint={cfg.checkpoint} and run={cfg.run} exclude each other: give one.")
+    settings.exclusive(cfg, "checkpoint", "run")
     torch.set_num_threads(cfg.threads)
     out = Path(cfg.out)
     method = method_of(cfg)
     model, jitter, jitters = _deployed(method.model, cfg)
-    graphs = export(model, tuple(cfg.size) if cfg.size else None)
+    graphs = graph.export(model, tuple(cfg.size) if cfg.size else None)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out.parent, prefix=".export") as folder:
@@ -65,18 +66,14 @@ def export_command(cfg: DictConfig) -> None:
 
 
 def _check_settings(cfg: DictConfig) -> None:
-    size = list(cfg.size) if cfg.size else [1, 1]
-    if len(size) != 2 or not all(isinstance(n, int) and 1 <= n <= 2**14 for n in size):
-        raise UserError(f"size={size} is not possible: use [width,height] of the low-resolution input in pixels.")
+    if cfg.size:
+        settings.size(cfg.size, "size")
     if Path(cfg.out).suffix != ".onnx":
-        raise UserError(f"out={cfg.out} is not possible: use a name that ends with .onnx.")
-    for key, allowed in (("kernels", KERNELS), ("frames", FRAMES)):
-        if cfg[key] not in allowed:
-            raise UserError(f"{key}={cfg[key]} is not possible: use {' or '.join(allowed)}.")
-    if not isinstance(cfg.check, int) or cfg.check < 1:
-        raise UserError(f"check={cfg.check} is not possible: use a whole number of frames from 1 up.")
-    if not isinstance(cfg.tolerance, (int, float)) or not 0.0 <= cfg.tolerance <= 1.0:
-        raise UserError(f"tolerance={cfg.tolerance} is not possible: use a number from 0 to 1.")
+        raise UserError(f"Invalid out={cfg.out}: use a name that ends with .onnx.")
+    settings.choice(cfg, "kernels", KERNELS)
+    settings.choice(cfg, "frames", FRAMES)
+    settings.whole(cfg, "check")
+    settings.number(cfg, "tolerance", 0.0, 1.0)
 
 
 def _deployed(model: Upsampler, cfg: DictConfig) -> tuple[Upsampler, dict[str, Any], Tensor | None]:
@@ -97,7 +94,11 @@ def _write(path: Path, model: Upsampler, graphs: Graphs, jitter: dict[str, Any],
     graphs.other.save(str(path))
     if graphs.state:
         graphs.first.save(str(first))
-    about = {"method": method.name, **{key: value for key, value in method.origin.items() if value}}
+    about = {
+        "method": method.name,
+        **{key: value for key, value in method.origin.items() if value},
+        "model": method.config,
+    }
     description = describe(model, graphs, (first.name, path.name), jitter, about)
     sidecar(path).write_text(json.dumps(description, indent=2) + "\n")
     return sorted({path, first, sidecar(path)})

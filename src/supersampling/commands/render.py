@@ -1,4 +1,4 @@
-"""What ``render.py`` does: render data sets, read captures of other programs, write ours in their layouts."""
+"""The command ``render``: data sets of built-in scenes, game tracks and glTF files."""
 
 from pathlib import Path
 
@@ -7,9 +7,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 from PIL import Image
 
-from supersampling.data.exporters.exporting import export
 from supersampling.data.module import Source
-from supersampling.data.readers.importing import import_capture
 from supersampling.data.spec import SPLITS
 from supersampling.data.store import Store
 from supersampling.errors import UserError
@@ -17,25 +15,16 @@ from supersampling.frames import BUFFERS
 
 
 def render(cfg: DictConfig) -> None:
-    """Render what ``cfg.buffers`` lacks in ``cfg.splits``, or import or export, and print each file.
+    """Render the buffers that the files of ``cfg.splits`` do not have, and print each file.
 
     Raises:
-        UserError: an unknown split, buffer, scene or setting; a capture that cannot be read.
+        UserError: an unknown split, buffer, scene or setting.
     """
-    if cfg["import"] is not None:
-        _import(cfg)
-    elif cfg.export is not None:
-        _export(cfg)
-    else:
-        _render(cfg)
-
-
-def _render(cfg: DictConfig) -> None:
     unknown = [split for split in cfg.splits if split not in SPLITS]
     if unknown:
-        raise UserError(f"splits={unknown} is not possible: use some of [{', '.join(SPLITS)}].")
+        raise UserError(f"Unknown split {unknown[0]} in splits: use some of [{', '.join(SPLITS)}].")
     if isinstance(cfg.buffers, str) and cfg.buffers != "all":
-        raise UserError(f"buffers={cfg.buffers} is not possible: use all, or a list such as [color,target].")
+        raise UserError(f"Invalid buffers={cfg.buffers}: use all, or a list such as [color,target].")
     buffers = frozenset(BUFFERS if cfg.buffers == "all" else cfg.buffers)
     if cfg.pictures:
         buffers |= {"color", "target"}
@@ -48,25 +37,8 @@ def _render(cfg: DictConfig) -> None:
                 print(save_picture(path))
 
 
-def _import(cfg: DictConfig) -> None:
-    if cfg.path is None:
-        raise UserError(f"import={cfg['import']} needs the capture's folder: add path=FOLDER.")
-    paths = import_capture(
-        cfg["import"], Path(cfg.path), Path(cfg.paths.data), scale=cfg.task.scale,
-        convention=cfg.convention, jitter_convention=cfg.jitter_convention, reversed_depth=cfg.reversed_depth,
-    )  # fmt: skip
-    for path in paths:
-        print(path)
-
-
-def _export(cfg: DictConfig) -> None:
-    if cfg.path is None or cfg.out is None:
-        raise UserError(f"export={cfg.export} needs a data set file and a folder: add path=FILE.h5 out=FOLDER.")
-    print(export(cfg.export, Path(cfg.path), Path(cfg.out)))
-
-
 def save_picture(path: Path) -> Path:
-    """A PNG beside a data set file: the first clip's last input, enlarged, and its target, side by side."""
+    """Write a PNG beside a data set file: the last input of the first clip, enlarged, and its target, side by side."""
     store = Store(path)
     color, target = (store.read(name, 0, slice(-1, None))[0].transpose(1, 2, 0) for name in ("color", "target"))
     store.close()

@@ -1,9 +1,11 @@
-"""The few functions that configuration files call."""
+"""Functions that configuration files call."""
 
 import math
 import os
 
 from omegaconf import OmegaConf
+
+from supersampling.resources import output_root, resources
 
 
 def _installed_scenes() -> list[str]:
@@ -23,8 +25,11 @@ def _cores() -> int:
 
 
 def register() -> None:
-    """Make ``${installed_scenes:}``, ``${built_in_scenes:}``, ``${cores:}`` and ``${product:a,b}`` known to OmegaConf."""
+    """Register ``${installed_scenes:}``, ``${built_in_scenes:}``, ``${cores:}``, ``${product:a,b}``, ``${resources:}``,
+    ``${output_root:}``."""
     OmegaConf.register_new_resolver("installed_scenes", _installed_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("built_in_scenes", _built_in_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("cores", _cores, replace=True)
     OmegaConf.register_new_resolver("product", lambda *values: math.prod(int(v) for v in values), replace=True)
+    OmegaConf.register_new_resolver("resources", lambda: str(resources()), replace=True)
+    OmegaConf.register_new_resolver("output_root", lambda: str(output_root()), replace=True)

@@ -1,4 +1,4 @@
-"""What ``stress.py`` does: try, print, log."""
+"""The command ``stress``: every model at the extremes of its inputs, printed and logged."""
 
 import time
 from collections.abc import Iterator, Sequence
@@ -8,7 +8,9 @@ import torch
 from omegaconf import DictConfig
 from tqdm import tqdm
 
-from supersampling.errors import UserError, was_interrupted
+from supersampling.commands import settings
+from supersampling.errors import was_interrupted
+from supersampling.runs import tags
 from supersampling.runs.experiment import experiment_of
 from supersampling.stress.cell import Cell, frame_of_cells, summary
 from supersampling.stress.determinism import determinism_cells
@@ -24,6 +26,8 @@ from supersampling.stress.source import Source, sources
 from supersampling.stress.trial import cells_of
 
 TABLE = "stress.json"
+TOLERANCE_STATUS = 3
+LARGEST_SIDE = 2**13  # pixels
 SHOWN = [
     "model",
     "extreme",
@@ -42,16 +46,16 @@ LARGE = 2**19  # target pixels from which memory is looked at first, and float32
 SMALL = 6, 5  # low resolution of long roll-outs
 
 
-def stress_command(cfg: DictConfig) -> bool:
-    """Try the chosen models at the chosen extremes; whether every stated tolerance holds.
+def stress(cfg: DictConfig) -> int:
+    """Try the selected models at the selected extremes; return 0 if every stated tolerance holds, else 3.
 
     Raises:
         UserError: an unknown model, extreme, precision, budget or device, or a size that is not possible.
     """
     torch.set_num_threads(cfg.threads)
     budget = budget_of(str(cfg.effort))
-    size = size_of(list(cfg.size))
-    device = device_of(cfg.device)
+    size = settings.size(cfg.size, "size", LARGEST_SIDE)
+    device = settings.device(cfg.device).type
     names = None if cfg.extremes is None else [str(name) for name in cfg.extremes]
     extremes = choose(names, budget.full)
     precisions = chosen(None if cfg.precisions is None else [str(p) for p in cfg.precisions], device)
@@ -59,13 +63,13 @@ def stress_command(cfg: DictConfig) -> bool:
     tried = sources(cfg, models, device)
     experiment = experiment_of(cfg)
     started = time.monotonic()
-    run = experiment.start("stress", {"ss.kind": "stress", "ss.method": ", ".join(s.name for s in tried)}, None)
+    run = experiment.start("stress", {tags.KIND: "stress", tags.METHOD: ", ".join(s.name for s in tried)}, None)
     status = "FAILED"
     try:
         cells = list(all_cells(tried, extremes, precisions, budget, size, device))
-        settings = {"effort": cfg.effort, "size": list(cfg.size), "device": device, "threads": cfg.threads, "seed": cfg.seed,
-                    "run": cfg.run, "checkpoint": cfg.checkpoint, "models": ", ".join(s.name for s in tried)}  # fmt: skip
-        experiment.log_params(run, settings)
+        parameters = {key: cfg[key] for key in ("effort", "size", "threads", "seed", "run", "checkpoint")}
+        names_of_models = ", ".join(s.name for s in tried)
+        experiment.log_params(run, {**parameters, "device": device, "models": names_of_models})
         table = frame_of_cells(cells)
         experiment.client.log_table(run, table.astype(object).where(table.notna(), None), TABLE)
         counts = {v: float((table["verdict"] == v).sum()) for v in ("holds", "fails", "not tried")}
@@ -78,7 +82,7 @@ def stress_command(cfg: DictConfig) -> bool:
         experiment.finish(run, status)
     _tell(table, bool(cfg.all))
     print(f"{summary(cells)}; {time.monotonic() - started:.0f} s; run {run}")
-    return not counts["fails"]
+    return TOLERANCE_STATUS if counts["fails"] else 0
 
 
 def all_cells(
@@ -121,25 +125,6 @@ def all_cells(
         tqdm.write(f"{source.name}: {time.monotonic() - started:.0f} s")
     if "divergence" in chosen.others:
         yield from divergence_cells(budget.divergence)
-
-
-def size_of(size: Sequence[object]) -> tuple[int, int]:
-    """Width and height of the low resolution where an extreme has none of its own."""
-    if len(size) != 2 or not all(isinstance(n, int) and not isinstance(n, bool) and 1 <= n <= 2**13 for n in size):
-        raise UserError(
-            f"size={list(size)} is not possible: use [width,height] of the low-resolution input in pixels, at most 8192."
-        )
-    width, height = (int(str(n)) for n in size)
-    return width, height
-
-
-def device_of(name: str | None) -> str:
-    """The named device, or the accelerator if there is one."""
-    if name is None:
-        return "cuda" if torch.cuda.is_available() else "cpu"
-    if name not in ("cpu", "cuda") or (name == "cuda" and not torch.cuda.is_available()):
-        raise UserError(f"device={name} is not here: use device=cpu, or leave it out.")
-    return str(name)
 
 
 def _tell(table: pd.DataFrame, everything: bool) -> None:

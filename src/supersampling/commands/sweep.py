@@ -20,11 +20,12 @@ class ParentRun(Callback):
         run(self._begin, config)
 
     def _begin(self, config: DictConfig) -> None:
+        from supersampling.runs import tags
         from supersampling.runs.experiment import PARENT_VARIABLE, experiment_of
 
         overrides = [str(o) for o in config.hydra.overrides.task]
         name = "sweep " + (" ".join(overrides) or "(no overrides)")
-        os.environ[PARENT_VARIABLE] = experiment_of(config).start(name[:240], {"ss.kind": "sweep"}, None)
+        os.environ[PARENT_VARIABLE] = experiment_of(config).start(name[:240], {tags.KIND: "sweep"}, None)
         atexit.register(self._end, config, "KILLED")
 
     def on_multirun_end(self, config: DictConfig, **kwargs: Any) -> None:

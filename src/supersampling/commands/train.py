@@ -3,43 +3,46 @@
 import copy
 
 import torch
-from hydra import compose
-from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
 
+from supersampling import config
 from supersampling.runs.experiment import experiment_of
 from supersampling.runs.sanity import score_sanity
 from supersampling.training.check import check_numbers
 from supersampling.training.job import Job, data_files
 
+METHOD_KEYS = ("model", "tune")
+
 
 def train(cfg: DictConfig) -> None:
-    """What ``train.py`` does: the classical baselines that this data set still lacks, then the configured job."""
+    """Render what is missing, score the classical baselines once, then do the configured job.
+
+    Raises:
+        UserError: a setting, scene or store that the user can correct.
+    """
     check_numbers(cfg)
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
-    jobs = [*_baselines(cfg), (cfg, dict(HydraConfig.get().runtime.choices))]
-    files = data_files(cfg, [composed for composed, _ in jobs])
+    jobs = [*baselines(cfg), (cfg, config.choices())]
+    files = data_files(cfg, [job_cfg for job_cfg, _ in jobs])
     score_sanity(cfg, files["test"], experiment)
-    for composed, choices in jobs:
-        Job(composed, choices, files, experiment, announce=composed is cfg).run()
+    for job_cfg, choices in jobs:
+        Job(job_cfg, choices, files, experiment, announce=job_cfg is cfg).run()
 
 
-def _baselines(cfg: DictConfig) -> list[tuple[DictConfig, dict[str, str]]]:
-    """This job with each baseline's method, and how that is tuned, in place of its own."""
-    hydra = HydraConfig.get()
-    theirs = ("model", "tune")
+def baselines(cfg: DictConfig) -> list[tuple[DictConfig, dict[str, str]]]:
+    """Return this job with each baseline's method, and its tuning, in place of its own; and Hydra's choices of each."""
     jobs = []
-    for baseline in cfg.baselines:
-        # By itself: an experiment swaps stages of a method that this one lacks.
-        composed = compose(hydra.job.config_name, list(baseline), return_hydra_config=True)
-        ours = {k: v for k, v in hydra.runtime.choices.items() if k.split("/")[0] not in theirs}
-        method = {k: v for k, v in composed.hydra.runtime.choices.items() if k.split("/")[0] in theirs}
+    for overrides in cfg.baselines:
+        # Composed on its own: an experiment swaps stages that this method does not have.
+        baseline = config.composed("train", list(overrides))
+        choices = {k: v for k, v in config.choices().items() if k.split("/")[0] not in METHOD_KEYS}
+        method = {k: v for k, v in baseline.choices.items() if k.split("/")[0] in METHOD_KEYS}
         job = copy.deepcopy(cfg)
         with open_dict(job):
-            for key in theirs:
+            for key in METHOD_KEYS:
                 job.pop(key, None)
-                if key in composed:
-                    job[key] = composed[key]
-        jobs.append((job, ours | method))
+                if key in baseline.cfg:
+                    job[key] = baseline.cfg[key]
+        jobs.append((job, choices | method))
     return jobs

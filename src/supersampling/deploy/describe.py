@@ -27,7 +27,7 @@ def describe(
     graphs: Graphs,
     files: tuple[str, str],
     jitter: Mapping[str, Any],
-    about: Mapping[str, str],
+    about: Mapping[str, Any],
 ) -> dict[str, Any]:
     """The description.
 

@@ -17,6 +17,7 @@ class Loss(nn.Module, ABC):
 
     requires: frozenset[str]
     previous: int
+    label: str = ""  # the number that a run's name shows, such as theta=0.1; empty: the name shows the loss's option
 
     @abstractmethod
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor: ...

@@ -35,6 +35,7 @@ class SpatioTemporal(Loss):
                 f"Invalid loss.theta={theta}: use a number between 0 and 1 (the thesis tries 0.1, 0.5 and 0.9)."
             )
         self.theta = theta
+        self.label = f"theta={theta}"
 
     def forward(self, outputs: Tensor, targets: Tensor, frames: Mapping[str, Tensor]) -> Tensor:
         motion = frames["motion"]

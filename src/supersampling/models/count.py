@@ -14,7 +14,7 @@ from supersampling.errors import UserError
 from supersampling.frames import BUFFERS, Frame
 from supersampling.models.base import Upsampler
 
-LONGEST = 64  # frames after which a state that still grows is given up
+LONGEST = 64  # frames after which a state that still grows is an error
 
 
 @dataclass(frozen=True)
@@ -28,35 +28,35 @@ class Row:
 
 
 def random_frame(model: Upsampler, width: int, height: int, device: str, seed: int = 0) -> Frame:
-    """A frame of what ``model`` reads, ``width x height`` low-resolution pixels, batch 1.
+    """Return a random frame of the buffers that ``model`` reads, ``width x height`` low-resolution pixels, batch 1.
 
     Values in [0, 1), jitter within its range, motion up to 1 % of the image; on ``device=meta``, shapes without values.
     """
     generator = torch.Generator().manual_seed(seed)
-    made = {}
+    buffers = {}
     for name in sorted(model.requires):
         buffer = BUFFERS[name]
         scale = model.scale if buffer.resolution == "high" else 1
         size = () if buffer.resolution == "frame" else (height * scale, width * scale)
         shape = (1, buffer.channels, *size)
         if device == "meta":
-            made[name] = torch.empty(shape, device=device)
+            buffers[name] = torch.empty(shape, device=device)
             continue
         values = torch.rand(shape, generator=generator)
         if buffer.kind == "plane":
             values = (values - 0.5) * (1.0 if buffer.resolution == "frame" else 0.02)
-        made[name] = values.to(device)
-    return Frame(**made)
+        buffers[name] = values.to(device)
+    return Frame(**buffers)
 
 
 @torch.no_grad()
-def count(model: Upsampler, width: int, height: int, depth: int = 1, device: str = "meta") -> list[Row]:
-    """Rows for the modules down to ``depth`` below the model, what lies outside of them, and the total.
+def count_modules(model: Upsampler, width: int, height: int, depth: int = 1, device: str = "meta") -> list[Row]:
+    """Return rows for the modules down to ``depth`` below the model, for what lies outside of them, and the total.
 
     Frames are run until the state no longer changes its shapes; the one after that is counted, in evaluation mode.
 
     Args:
-        width, height: of the low-resolution input, 1 or more.
+        width, height: of the low-resolution input, at least 1.
         device: ``meta`` computes nothing, and so cannot run methods that look at values.
 
     Raises:
@@ -88,11 +88,14 @@ def count(model: Upsampler, width: int, height: int, depth: int = 1, device: str
 
 
 def size_of(model: Upsampler) -> dict[str, float]:
-    """``model/parameters``, and ``model/gmac``: 10^9 multiply-accumulates of a frame with a target of 1920x1080, rounded down to
-    the model's scale; without it where a method cannot be counted from shapes alone."""
+    """Return ``model/parameters`` and ``model/gmac``, by these names.
+
+    ``model/gmac`` is 10^9 multiply-accumulates of a frame with a target of 1920x1080, rounded down to the model's scale; it is
+    left out for a method that cannot be counted from shapes only.
+    """
     size = {"model/parameters": float(sum(p.numel() for p in model.parameters()))}
     try:
-        rows = count(copy.deepcopy(model), 1920 // model.scale, 1080 // model.scale)
+        rows = count_modules(copy.deepcopy(model), 1920 // model.scale, 1080 // model.scale)
     except UserError:
         return size
     return size | {"model/gmac": rows[-1].macs / 1e9}
@@ -103,11 +106,11 @@ def _row(name: str, module: nn.Module, macs: int) -> Row:
 
 
 def _rows(model: nn.Module, root: str, macs: Mapping[str, int], depth: int) -> list[Row]:
-    """The children that compute or learn, and a row for what belongs to none of them."""
+    """Return the children that compute or learn, and a row for what belongs to none of them."""
     rows: list[Row] = []
 
     def walk(module: nn.Module, path: str, level: int) -> tuple[int, int]:
-        """Adds the rows below ``module``; gives parameters and MACs of its children."""
+        """Append the rows below ``module``; return parameters and MACs of its children."""
         parameters = total = 0
         for name, child in module.named_children():
             row = _row(f"{path}.{name}".removeprefix(f"{root}."), child, _macs(child, f"{path}.{name}", macs))
@@ -120,14 +123,14 @@ def _rows(model: nn.Module, root: str, macs: Mapping[str, int], depth: int) -> l
         return parameters, total
 
     parameters, total = walk(model, root, 1)
-    own = sum(p.numel() for p in model.parameters()) - parameters, macs.get("Global", 0) - total
-    if any(own):
-        rows.append(Row("(its own)", "", *own))
+    rest = sum(p.numel() for p in model.parameters()) - parameters, macs.get("Global", 0) - total
+    if any(rest):
+        rows.append(Row("(the rest)", "", *rest))
     return rows
 
 
 def _macs(module: nn.Module, path: str, macs: Mapping[str, int]) -> int:
-    """A module's, or its children's where they are called past it."""
+    """Return a module's multiply-accumulates, or its children's if they are called past it."""
     if path in macs:
         return macs[path]
     return sum(_macs(child, f"{path}.{name}", macs) for name, child in module.named_children())

@@ -13,7 +13,7 @@ from torch.utils._pytree import tree_leaves
 
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
-from supersampling.models.count import LONGEST, count, random_frame
+from supersampling.models.count import LONGEST, count_modules, random_frame
 from supersampling.profiling.backends import buffers
 
 
@@ -32,7 +32,7 @@ def work(config: Mapping[str, Any], width: int, height: int) -> Work:
     try:
         model: Upsampler = instantiate(dict(config))
         parameters = sum(p.numel() for p in model.parameters())
-        macs = float(count(model, width, height)[-1].macs)
+        macs = float(count_modules(model, width, height)[-1].macs)
         return Work(parameters, macs, float(bytes_moved(model, width, height)))
     except (UserError, InstantiationException, RuntimeError, ValueError):
         return Work(parameters, math.nan, math.nan)

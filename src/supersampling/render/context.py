@@ -4,6 +4,7 @@ import ctypes
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import moderngl
 
@@ -28,9 +29,8 @@ def open_context() -> moderngl.Context:
     try:
         # Full names: without them glcontext asks ldconfig, and without ldconfig it wants the compiler's libGL.so.
         # The stub types each setting as a dictionary of settings.
-        return moderngl.create_context(  # type: ignore[arg-type]
-            standalone=True, backend="egl", require=430, libegl="libEGL.so.1", libgl="libGL.so.1"
-        )
+        libraries: Any = {"backend": "egl", "libegl": "libEGL.so.1", "libgl": "libGL.so.1"}
+        return moderngl.create_context(standalone=True, require=430, **libraries)
     except Exception as error:  # moderngl raises bare Exceptions, and OSError for a missing library
         reason = str(error).strip().rstrip(".") or type(error).__name__
         raise UserError(f"No OpenGL 4.3 context opens without a screen ({reason}): {_remedy()}") from None

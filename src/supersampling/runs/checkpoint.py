@@ -1,6 +1,8 @@
-"""What a checkpoint carries beside its weights, so that it needs nothing else, and how a method is made of what a file says."""
+"""What a checkpoint holds beside its weights, so that it needs nothing else, and how a method is built from it.
 
-import importlib
+Whoever wrote a file decides what is built; so a file can only name options of ``conf/`` (`supersampling.runs.options`).
+"""
+
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,120 +16,103 @@ from omegaconf import DictConfig, OmegaConf
 from supersampling import __version__
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
+from supersampling.runs import tags
+from supersampling.runs.options import described, restored
 
-KEY = "supersampling"  # of a checkpoint
-OURS = ("supersampling.models.", "supersampling.stages.")
+KEY = "supersampling"  # of the entry in a checkpoint
+PREFIX = "model."  # of the model's weights in Lightning's state dict
 
 
 class Carry(L.Callback):
-    """Puts ``content`` into every checkpoint, under `KEY`."""
+    """Writes ``metadata`` into every checkpoint, under `KEY`."""
 
-    def __init__(self, content: Mapping[str, Any]) -> None:
-        self._content = dict(content)
+    def __init__(self, metadata: Mapping[str, Any]) -> None:
+        self._metadata = dict(metadata)
 
     def on_save_checkpoint(self, trainer: L.Trainer, pl_module: L.LightningModule, checkpoint: dict[str, Any]) -> None:
-        checkpoint[KEY] = self._content
+        checkpoint[KEY] = self._metadata
 
 
-def content(cfg: DictConfig, tags: Mapping[str, str], parameters: Mapping[str, str], run: str) -> dict[str, Any]:
-    """What is carried, in containers that ``torch.load(weights_only=True)`` reads.
+def metadata(cfg: DictConfig, run_tags: Mapping[str, str], parameters: Mapping[str, str], run: str) -> dict[str, Any]:
+    """Return what a checkpoint holds beside its weights, in containers that ``torch.load(weights_only=True)`` reads.
 
-    ``model`` and ``task`` are the resolved configuration; ``method``, ``identity``, ``run`` and ``parameters`` those of the
-    MLflow run, whose ``tags`` and ``parameters`` are given; ``version`` is this package's.
+    ``model`` and ``task`` are the resolved configuration, with options in place of class paths; ``method``, ``identity``, ``run``
+    and ``parameters`` are those of the MLflow run; ``version`` is this package's.
     """
     return {
         "version": __version__,
-        "method": str(tags.get("ss.method", "")),
-        "identity": str(tags.get("ss.identity", "")),
+        "method": str(run_tags.get(tags.METHOD, "")),
+        "identity": str(run_tags.get(tags.IDENTITY, "")),
         "run": run,
         "parameters": {str(k): str(v) for k, v in parameters.items()},
         "task": OmegaConf.to_container(cfg.task, resolve=True),
-        "model": OmegaConf.to_container(cfg.model, resolve=True),
+        "model": described(OmegaConf.to_container(cfg.model, resolve=True)),
     }
 
 
-def carried(checkpoint: Path) -> dict[str, Any] | None:
-    """What a checkpoint carries; None in one that was written before they carried anything. No code is run.
+def read_metadata(checkpoint: Path) -> dict[str, Any] | None:
+    """Return what a checkpoint holds beside its weights, None for one that was written before they held anything.
+
+    No code of the file is run.
 
     Raises:
-        UserError: the file is missing, or no checkpoint.
+        UserError: the file is missing, or is not a checkpoint.
     """
     try:
-        found = torch.load(checkpoint, map_location="cpu", weights_only=True, mmap=True)
-        said = found.get(KEY)
+        content = torch.load(checkpoint, map_location="cpu", weights_only=True, mmap=True)
+        entry = content.get(KEY)
     except FileNotFoundError as error:
         raise UserError(f"There is no checkpoint {checkpoint}: correct the path.") from error
     except Exception as error:
         reason = str(error).splitlines()[0]
         raise UserError(f"{checkpoint} is not a checkpoint ({reason}): name a file of train.py.") from error
-    if said is None:
+    if entry is None:
         return None
-    if not isinstance(said, dict) or not all(isinstance(said.get(k), dict) for k in ("model", "task")):
-        raise UserError(f"{checkpoint} carries a configuration that is broken: name the file that train.py wrote.")
-    return said
+    if not isinstance(entry, dict) or not all(isinstance(entry.get(k), dict) for k in ("model", "task")):
+        raise UserError(f"The configuration in {checkpoint} is broken: name the file that train.py wrote.")
+    return entry
 
 
 def build(model: Mapping[str, Any], source: str, **constants: float) -> Upsampler:
-    """The method that a file's configuration describes, resolved; ``source`` is that file, for messages.
+    """Build the method that a file describes.
 
-    Whoever wrote the file says what is made: so nothing but our own models and stages is, and nothing is interpolated.
+    Args:
+        model: its resolved configuration, with options or, as the first scheme wrote it, class paths.
+        source: the file, for messages.
+        constants: tuned numbers that replace those of ``model``.
 
     Raises:
-        UserError: something else is named, or this version cannot make it.
+        UserError: it names something that is not among the options of ``conf/``, or that this version cannot build.
     """
-    _check(model, source)
+    config = restored(dict(model), source)
     try:
-        made = instantiate(dict(model), **constants)
+        result = instantiate(config, **constants)
     except InstantiationException as error:
         reason = str(error).splitlines()[0]
         raise UserError(
-            f"{source} describes a model that this version ({__version__}) cannot make ({reason}): use the version that "
+            f"{source} describes a model that this version ({__version__}) cannot build ({reason}): use the version that "
             "wrote it."
         ) from error
-    if not isinstance(made, Upsampler):
-        raise UserError(f"{source} describes no method: its model is a {type(made).__name__}.")
-    return made
-
-
-def _check(value: Any, source: str) -> None:
-    if isinstance(value, Mapping):
-        if "_target_" in value and not _is_ours(value["_target_"]):
-            raise UserError(
-                f"{source} wants {value['_target_']} to be called, which is none of our models and stages, so it is not "
-                "loaded: if you trust the file, give model=... as it was trained."
-            )
-        for inner in (*value.keys(), *value.values()):
-            _check(inner, source)
-    elif isinstance(value, (list, tuple)):
-        for inner in value:
-            _check(inner, source)
-    elif isinstance(value, str) and "${" in value:
-        raise UserError(f"{source} holds the interpolation {value}, so it is not loaded: only values are.")
-
-
-def _is_ours(target: Any) -> bool:
-    """Whether it is a class of our models or stages, not something that only can be reached through their modules."""
-    if not isinstance(target, str) or not target.startswith(OURS):
-        return False
-    module, _, name = target.rpartition(".")
-    try:
-        found = getattr(importlib.import_module(module), name, None)
-    except ImportError:
-        return False
-    return isinstance(found, type) and f"{found.__module__}.".startswith(OURS)
+    if not isinstance(result, Upsampler):
+        raise UserError(f"{source} describes a {type(result).__name__}, not a method: name a file of train.py.")
+    return result
 
 
 def load_weights(model: Upsampler, checkpoint: Path) -> None:
     """Load the weights of a training checkpoint into ``model`` (safe loading; no code is run).
 
     Raises:
-        UserError: the file is missing, is no checkpoint, or holds another model.
+        UserError: the file is missing, is not a checkpoint, or holds another model.
     """
     try:
         content = torch.load(checkpoint, map_location="cpu", weights_only=True)
-        prefix = "model."
-        state = {k.removeprefix(prefix): v for k, v in content["state_dict"].items() if k.startswith(prefix)}
-        model.load_state_dict(state)
+        model.load_state_dict(
+            {
+                name.removeprefix(PREFIX): value
+                for name, value in content["state_dict"].items()
+                if name.startswith(PREFIX)
+            }
+        )
     except FileNotFoundError as error:
         raise UserError(f"There is no checkpoint {checkpoint}: correct the path.") from error
     except Exception as error:

@@ -1,69 +1,71 @@
-"""A run's identity: a hash of all that can change its result, so that finished work is never done twice."""
+"""The identity of a run: a hash of all that can change its result, so that finished work is never repeated.
+
+It names options and numbers (`supersampling.runs.options`), never class paths: moving code changes no identity. Runs of the first
+scheme hashed class paths; `Identity.former` is what theirs would be, so that they are still found.
+"""
 
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from omegaconf import DictConfig, OmegaConf
 
-# Keys that cannot change a result. What a data set was made from is replaced by the fingerprint of what it holds.
-NOT_IDENTITY = (
-    "paths", "logger", "data", "scene", "path", "baselines", "fresh", "workers", "trainer.enable_progress_bar",
-    "trainer.accelerator", "trainer.devices", "sweeps", "experiment", "debug", "threads", "metrics",
-)  # fmt: skip
-# Weights do not depend on how they are scored, so that two protocols share a training.
-WEIGHTS_ONLY = ("protocol",)
+from supersampling.runs.keys import Effect, is_shown, select
+from supersampling.runs.options import FORMER, TARGET, described
+
+SCHEME = "2"
 
 
-def _without(tree: Mapping[str, Any], keys: tuple[str, ...]) -> dict[str, Any]:
-    kept = {}
-    for key, value in tree.items():
-        if key in keys:
-            continue
-        inner = tuple(k.removeprefix(f"{key}.") for k in keys if k.startswith(f"{key}."))
-        kept[key] = _without(value, inner) if isinstance(value, Mapping) else value
-    return kept
+@dataclass(frozen=True)
+class Identity:
+    """An identity of today's scheme, 16 hex digits, and what the first scheme called the same work."""
+
+    key: str
+    former: str
 
 
-# Nor can these change the result of a classical method, which is not trained.
-ONLY_LEARNED = ("loss", "pick", "augment", "optimizer", "budget", "trainer", "seed")
+def identity(
+    cfg: DictConfig, fingerprints: Mapping[str, str], learned: bool, *, weights_only: bool = False
+) -> Identity:
+    """Return the identity of a configuration on data with these fingerprints, by split.
 
-
-def identity(cfg: DictConfig, fingerprints: Mapping[str, str], learned: bool, without: tuple[str, ...] = ()) -> str:
-    """16 hex digits of the resolved configuration, less what cannot change the result and ``without``, and each split's
-    fingerprint."""
+    Args:
+        learned: whether the method is trained.
+        weights_only: leave out how the weights are scored, so that two protocols share a training.
+    """
     resolved: Any = OmegaConf.to_container(cfg, resolve=True)
-    left_out = (NOT_IDENTITY if learned else NOT_IDENTITY + ONLY_LEARNED) + without
-    content = {"config": _without(resolved, left_out), "data": dict(fingerprints)}
+    effects = {Effect.WEIGHTS} if weights_only else {Effect.WEIGHTS, Effect.SCORES}
+    chosen = select(resolved, effects, learned)
+    data = dict(fingerprints)
+    return Identity(
+        digest({"scheme": SCHEME, "config": described(chosen), "data": data}),
+        digest({"config": with_former_paths(chosen), "data": data}),
+    )
+
+
+def digest(content: Any) -> str:
+    """Return 16 hex digits of a value's JSON."""
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-# Top-level keys that are not shown as parameters.
-_HIDDEN = (
-    "paths",
-    "logger",
-    "baselines",
-    "fresh",
-    "workers",
-    "sweeps",
-    "experiment",
-    "debug",
-    "scene",
-    "path",
-    "tune",
-    "threads",
-    "metrics",
-)
+def with_former_paths(config: Any) -> Any:
+    """Return a configuration with the class paths that the first scheme's runs have."""
+    if isinstance(config, Mapping):
+        content = {key: with_former_paths(value) for key, value in config.items()}
+        if TARGET in content:
+            content[TARGET] = {path: old for old, path in FORMER.items()}.get(content[TARGET], content[TARGET])
+        return content
+    return [with_former_paths(value) for value in config] if isinstance(config, list) else config
 
 
 def flat_parameters(cfg: DictConfig, choices: Mapping[str, str], learned: bool) -> dict[str, Any]:
-    """Parameters as the MLflow compare view shows them: a name for each chosen option, a value for each number.
+    """Return parameters as MLflow's compare view shows them: a name for each selected option, a value for each number.
 
     ``model=dlctus``, ``model.reproject=bicubic9``, ``loss.theta=0.1``, ``task.scale=4``, ``budget.steps=60``, ``seed=0`` ...
     """
     resolved: Any = OmegaConf.to_container(cfg, resolve=True)
-    hidden = _HIDDEN if learned else _HIDDEN + ONLY_LEARNED
     flat: dict[str, Any] = {}
 
     def walk(prefix: str, value: Any) -> None:
@@ -74,9 +76,9 @@ def flat_parameters(cfg: DictConfig, choices: Mapping[str, str], learned: bool) 
         elif value is not None:
             flat[prefix] = ",".join(map(str, value)) if isinstance(value, list) else value
 
-    walk("", {str(k): v for k, v in resolved.items() if k not in hidden})
+    walk("", {str(k): v for k, v in resolved.items() if is_shown(str(k), learned)})
     for group, choice in choices.items():
-        if group.split("/")[0] not in (*hidden, "hydra") and choice not in (None, "default"):
+        if is_shown(group, learned) and choice not in (None, "default"):
             flat[group.replace("/", ".")] = choice
     scenes = resolved["scene"]
     flat["data.scenes"] = scenes if isinstance(scenes, str) else ",".join(scenes)

@@ -1,134 +1,140 @@
-"""The method that a command is about: of a checkpoint, of an MLflow run, or of the configuration alone."""
+"""The method that a command is about: of a checkpoint, of an MLflow run, or of the configuration itself."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
 from mlflow.exceptions import MlflowException
 from omegaconf import DictConfig, OmegaConf, open_dict
 
+from supersampling.config import choices, key_of, typed_overrides
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
-from supersampling.runs.checkpoint import build, carried, load_weights
+from supersampling.runs import tags
+from supersampling.runs.checkpoint import build, load_weights, read_metadata
 from supersampling.runs.experiment import Experiment, experiment_of
 from supersampling.runs.identity import flat_parameters
 from supersampling.runs.naming import is_learned, method_name
+from supersampling.runs.options import OPTION, described
 from supersampling.runs.scores import tuned_constants
+
+CHECKPOINT = "checkpoint/last.ckpt"
+CONFIGURATION = "config.yaml"
 
 
 @dataclass(frozen=True)
 class Method:
-    """A model with its weights, its name and parameters as MLflow shows them, and which run it came from, if any."""
+    """A model with its weights, its name and parameters as MLflow shows them, and the run that it came from, if any.
+
+    ``config`` is the model's configuration as `supersampling.runs.options.described` writes it.
+    """
 
     model: Upsampler
     name: str
+    config: Mapping[str, Any]
     parameters: Mapping[str, Any]
     origin: Mapping[str, str] = field(default_factory=dict)
 
 
 def method_of(cfg: DictConfig) -> Method:
-    """What ``checkpoint``, ``run`` or ``model`` of a configuration name; ``cfg.task`` becomes the one that it was trained for.
+    """Return the method that ``checkpoint``, ``run`` or ``model`` names; ``cfg.task`` becomes the task it was trained for.
 
     Raises:
-        UserError: no such run or checkpoint; a model or scale on the command line that is another; a learned method
-            without weights.
+        UserError: no such run or checkpoint; the command line names another model or scale; a learned method without weights.
     """
     if cfg.run:
-        return _of_run(experiment_of(cfg), cfg)
+        return _method_of_run(experiment_of(cfg), cfg)
     if cfg.checkpoint:
-        return _of_checkpoint(cfg)
+        return _method_of_checkpoint(cfg)
     model: Upsampler = instantiate(cfg.model)
     if is_learned(model):
-        raise UserError("This method is learned: give its weights with checkpoint=FILE or run=RUN_ID.")
-    return _configured(cfg, model)
+        raise UserError("This method is learned: name its weights with checkpoint=FILE or run=RUN_ID.")
+    return _configured_method(cfg, model)
 
 
-def _configured(cfg: DictConfig, model: Upsampler) -> Method:
-    choices = dict(HydraConfig.get().runtime.choices)
-    return Method(model, method_name(choices), flat_parameters(cfg, choices, False))
+def _configured_method(cfg: DictConfig, model: Upsampler) -> Method:
+    config = described(OmegaConf.to_container(cfg.model, resolve=True))
+    return Method(model, method_name(choices()), config, flat_parameters(cfg, choices(), False))
 
 
-def _of_checkpoint(cfg: DictConfig) -> Method:
+def _method_of_checkpoint(cfg: DictConfig) -> Method:
     path = Path(cfg.checkpoint)
-    said = carried(path)
-    if said is None:  # an older one: its model is the configured one
+    metadata = read_metadata(path)
+    if metadata is None:  # written before checkpoints held their model: it is the configured one
         model: Upsampler = instantiate(cfg.model)
         load_weights(model, path)
-        return _configured(cfg, model)
-    model = _agreed(cfg, said["model"], said["task"], str(path))
+        return _configured_method(cfg, model)
+    model = _matching_model(cfg, metadata["model"], metadata["task"], str(path))
     load_weights(model, path)
-    origin = {key: str(said.get(key, "")) for key in ("run", "identity", "version")}
-    return Method(model, str(said.get("method", "")), dict(said.get("parameters", {})), origin)
+    origin = {key: str(metadata.get(key, "")) for key in ("run", "identity", "version")}
+    parameters = dict(metadata.get("parameters", {}))
+    return Method(model, str(metadata.get("method", "")), described(metadata["model"]), parameters, origin)
 
 
-def _of_run(experiment: Experiment, cfg: DictConfig) -> Method:
-    """Of a finished run, with its weights or its tuned constants."""
+def _method_of_run(experiment: Experiment, cfg: DictConfig) -> Method:
+    """Return the method of a finished run, with its weights or its tuned constants."""
     try:
         run = experiment.client.get_run(cfg.run)
-        trained: Any = OmegaConf.to_container(OmegaConf.load(experiment.artifact(cfg.run, "config.yaml")))
+        logged: Any = OmegaConf.to_container(OmegaConf.load(experiment.artifact(cfg.run, CONFIGURATION)))
     except (MlflowException, OSError) as error:
         raise UserError(
             f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow UI."
         ) from error
-    model = _agreed(cfg, trained["model"], trained["task"], f"Run {cfg.run}", **tuned_constants(run))
+    model = _matching_model(cfg, logged["model"], logged["task"], f"Run {cfg.run}", **tuned_constants(run))
     if is_learned(model):
-        load_weights(model, experiment.artifact(cfg.run, "checkpoint/last.ckpt"))
-    tags = run.data.tags
+        load_weights(model, experiment.artifact(cfg.run, CHECKPOINT))
+    run_tags = run.data.tags
     origin = {
         "run": str(cfg.run),
-        "identity": tags.get("ss.identity", ""),
-        "version": tags.get("ss.version", ""),
+        "identity": run_tags.get(tags.IDENTITY, ""),
+        "version": run_tags.get(tags.VERSION, ""),
     }
-    return Method(model, tags.get("ss.method", ""), dict(run.data.params), origin)
+    return Method(model, run_tags.get(tags.METHOD, ""), described(logged["model"]), dict(run.data.params), origin)
 
 
-def _agreed(cfg: DictConfig, model: dict[str, Any], task: dict[str, Any], source: str, **constants: float) -> Upsampler:
-    """The model of a file's configuration, once nothing on the command line speaks against it; ``cfg.task`` becomes its task.
+def _matching_model(
+    cfg: DictConfig, model: dict[str, Any], task: dict[str, Any], source: str, **constants: float
+) -> Upsampler:
+    """Build the model of a file's configuration unless the command line contradicts it; ``cfg.task`` becomes its task.
 
-    A model that the command line names as well is made from the command line: its author is trusted with any class.
+    A model that the command line names as well is built from the command line: its author is trusted with any class.
     """
-    given = _given()
-    chosen = "task" in given or "task.scale" in given or _by_data()
-    if chosen and cfg.task.scale != task["scale"]:
+    typed = [key_of(override) for override in typed_overrides()]
+    task_selected = "task" in typed or "task.scale" in typed or _has_task_of_data()
+    if task_selected and cfg.task.scale != task["scale"]:
         raise UserError(
             f"{source} was trained for scale {task['scale']}, but task.scale={cfg.task.scale}: leave it out, or set "
             f"task.scale={task['scale']}."
         )
     with open_dict(cfg):
         for key, value in task.items():
-            if not chosen and f"task.{key}" not in given:
+            if not task_selected and f"task.{key}" not in typed:
                 cfg.task[key] = value
-    if not any(key == "model" or key.startswith(("model.", "model/")) for key in given):
+    if not any(key == "model" or key.startswith(("model.", "model/")) for key in typed):
         return build(model, source, **constants)
-    named: Any = OmegaConf.to_container(cfg.model, resolve=True)
-    if named != model:
-        held, wanted = _difference(model, named)
+    stored, configured = described(model), described(OmegaConf.to_container(cfg.model, resolve=True))
+    if stored != configured:
+        first, second = _difference(stored, configured)
         raise UserError(
-            f"{source} holds {held}, but the command line has {wanted}: leave model=... out, the file knows its own."
+            f"{source} holds {first}, but the command line has {second}: leave model=... out, the file knows its own."
         )
-    made: Upsampler = instantiate(cfg.model, **constants)
-    return made
+    result: Upsampler = instantiate(cfg.model, **constants)
+    return result
 
 
-def _given() -> list[str]:
-    """The keys and groups that the command line sets."""
-    if not HydraConfig.initialized():
-        return []
-    return [str(o).lstrip("+~").partition("=")[0].partition("@")[0] for o in HydraConfig.get().overrides.task]
+def _has_task_of_data() -> bool:
+    """Return whether the selected data set brings a task of its own."""
+    return bool(typed_overrides()) and choices().get("task", "default") != "default"
 
 
-def _by_data() -> bool:
-    """Whether the chosen data set brings a task of its own."""
-    return HydraConfig.initialized() and HydraConfig.get().runtime.choices.get("task", "default") != "default"
-
-
-def _difference(ours: Any, theirs: Any, path: str = "model") -> tuple[str, str]:
-    """The first entry that two configurations do not share, as ``key=value`` of each."""
-    if isinstance(ours, dict) and isinstance(theirs, dict):
-        for key in ("_target_", *sorted(map(str, ours.keys() | theirs.keys()))):
-            if ours.get(key) != theirs.get(key):
-                return _difference(ours.get(key), theirs.get(key), f"{path}.{key}")
-    return tuple(f"{path}={value}".replace("._target_", "") for value in (ours, theirs))  # type: ignore[return-value]
+def _difference(first: Any, second: Any, path: str = "model") -> tuple[str, str]:
+    """Return the first entry that two configurations do not share, as ``key=value`` of each."""
+    if isinstance(first, dict) and isinstance(second, dict):
+        for key in (OPTION, *sorted(map(str, first.keys() | second.keys()))):
+            if first.get(key) != second.get(key):
+                return _difference(first.get(key), second.get(key), f"{path}.{key}")
+    if path.endswith(f".{OPTION}"):
+        return str(first), str(second)
+    return f"{path}={first}", f"{path}={second}"

@@ -1,36 +1,40 @@
 """Names of methods: the model, and the stages that differ from the published ones."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
+import yaml
+
 from supersampling.models.base import Upsampler
+from supersampling.resources import resources
 
 
 def is_learned(model: Upsampler) -> bool:
-    """Whether there is anything to train."""
+    """Return whether there is anything to train."""
     return any(p.requires_grad for p in model.parameters())
 
 
-# The stages that a method is published with; a run that swaps one says so in its name.
-_PUBLISHED = {
-    "dlctus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "accumulate": "buffer"},
-    "tus": {"reproject": "bicubic9", "dilate": "none", "pad": "jitter_aligned", "rectify": "clamp_rgb"},
-    "nsrr": {
-        "extract": "learned", "upsample": "zero", "warp_at": "target", "reweight": "learned", "colour_space": "ycbcr",
-        "demodulate": "display", "guides": "none", "base": "none",
-    },
-    "nsrd": {
-        "demodulate": "lighting", "motion_mask": "dual", "recur": "convlstm", "locate": "none", "base": "none",
-    },
-    "enss": {
-        "flow": "motion_vectors", "history": "blended", "kernel_prediction": "both", "motion_grid": "block",
-    },
-}  # fmt: skip
+@lru_cache
+def published_stages(model: str) -> Mapping[str, str]:
+    """Return the option of each slot that a model is published with: the defaults of ``conf/model/<model>.yaml``."""
+    path = resources() / "conf" / "model" / f"{model}.yaml"
+    content: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+    stages: dict[str, str] = {}
+    for entry in content.get("defaults", []):
+        if isinstance(entry, str) and entry != "_self_":
+            stages |= published_stages(entry)
+        elif isinstance(entry, dict):
+            stages |= {str(slot).removeprefix("override ").strip("/"): str(option) for slot, option in entry.items()}
+    return stages
 
 
 def method_name(choices: Mapping[str, Any]) -> str:
-    """``dlctus``, or ``dlctus reproject=bilinear`` when a stage differs from the published one."""
-    model = choices["model"]
-    stages = _PUBLISHED.get(str(model).partition("_")[0], {})  # a size or a faster form has the same stages
-    swapped = [f"{s}={choices[f'model/{s}']}" for s in stages if choices.get(f"model/{s}", stages[s]) != stages[s]]
+    """Return ``dlctus``, or ``dlctus reproject=bilinear`` if a stage differs from the published one."""
+    model = str(choices["model"])
+    swapped = [
+        f"{slot}={choices[group]}"
+        for slot, option in published_stages(model).items()
+        if choices.get(group := f"model/{slot}", option) != option
+    ]
     return " ".join([model, *swapped])

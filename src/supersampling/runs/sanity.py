@@ -1,83 +1,98 @@
-"""Rows that say whether an evaluation can be trusted: what it gives to the targets themselves, and to the raw rendering."""
+"""Rows that tell whether an evaluation can be trusted: the scores of the targets themselves, and of the raw rendering."""
 
-import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from filelock import FileLock
-from hydra.core.hydra_config import HydraConfig
 from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
+from supersampling.config import choices
 from supersampling.data.module import fingerprint
 from supersampling.evaluation.playback import Playback, Targets
 from supersampling.evaluation.result import Result, evaluate
 from supersampling.metrics.chosen import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.models.nearest import Nearest
-from supersampling.runs.experiment import Experiment
+from supersampling.runs import tags
+from supersampling.runs.experiment import FINISHED, Experiment
+from supersampling.runs.identity import digest
+from supersampling.runs.options import described
 from supersampling.runs.scores import has_metrics, log_result, means_of
 
 
-def score_sanity(cfg: DictConfig, files: list[Path], experiment: Experiment) -> dict[str, dict[str, float]]:
-    """Score the reference against itself and the raw input, once for a test set and protocol: runs of kind ``sanity``.
+@dataclass(frozen=True, kw_only=True)
+class Untrained:
+    """A method that is scored without training. ``content`` distinguishes methods of the same name and kind of run."""
 
-    The means over all clips, by metric, of either.
+    kind: str
+    name: str
+    model: Upsampler
+    content: str = ""
+
+
+def score_sanity(cfg: DictConfig, files: list[Path], experiment: Experiment) -> dict[str, dict[str, float]]:
+    """Score the reference against itself and the raw input, once per test set and protocol: runs of kind ``sanity``.
+
+    Returns the means over all clips of each, by metric.
     """
-    methods: dict[str, Upsampler] = {
+    rows: dict[str, Upsampler] = {
         "reference": Playback(cfg.task.scale, Targets(files)),
         "raw input": Nearest(cfg.task.scale),
     }
-    return {name: score_once(cfg, experiment, "sanity", name, model, "", files)[1] for name, model in methods.items()}
+    return {
+        name: score_once(cfg, experiment, Untrained(kind="sanity", name=name, model=model), files)[1]
+        for name, model in rows.items()
+    }
 
 
 def score_once(
-    cfg: DictConfig,
-    experiment: Experiment,
-    kind: str,
-    name: str,
-    model: Upsampler,
-    content: str,
-    files: list[Path],
+    cfg: DictConfig, experiment: Experiment, method: Untrained, files: list[Path]
 ) -> tuple[Result | None, dict[str, float]]:
-    """Score a method that is not trained and log it as a run of this ``kind``, unless that was done; ``content`` tells methods of
-    one name apart.
+    """Score a method and log it, unless that was done.
 
-    The result, None if there was nothing to do, and the means over all clips, by metric.
+    Returns the result, None if there was nothing to do, and the means over all clips by metric.
     """
-    said = OmegaConf.to_container(cfg.protocol, resolve=True)
+    protocol = described(OmegaConf.to_container(cfg.protocol, resolve=True))
     data = fingerprint(files, ["target", "color"])
-    key = hashlib.sha256(f"{kind} {name} {content} {data} {said}".encode()).hexdigest()[:16]
+    key = digest([method.kind, method.name, method.content, data, protocol])
     folder = Path(cfg.paths.checkpoints) / key
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(folder / "lock"):
-        return _score_once(cfg, experiment, {"ss.kind": kind, "ss.identity": key, "ss.method": name}, model, files)
+        return _score(cfg, experiment, method, key, files)
 
 
-def _score_once(
-    cfg: DictConfig, experiment: Experiment, tags: dict[str, str], model: Upsampler, files: list[Path]
+def _score(
+    cfg: DictConfig, experiment: Experiment, method: Untrained, key: str, files: list[Path]
 ) -> tuple[Result | None, dict[str, float]]:
     metrics: Metrics = instantiate(cfg.metrics)
-    found = experiment.find(tags["ss.identity"])
-    if found is not None and found.info.status == "FINISHED" and has_metrics(found, metrics):
-        return None, means_of(found)
-    result = evaluate(model, metrics, instantiate(cfg.protocol), files)
-    name = tags["ss.method"]
-    if found is None:
-        tags = {**tags, "ss.dataset": fingerprint(files, ["target"])}
-        run_id = experiment.start(f"{name} x{cfg.task.scale}", tags, None)
+    run = experiment.find(key)
+    if run is not None and run.info.status == FINISHED and has_metrics(run, metrics):
+        return None, means_of(run)
+    result = evaluate(method.model, metrics, instantiate(cfg.protocol), files)
+    if run is None:
+        run_tags = {
+            tags.KIND: method.kind,
+            tags.IDENTITY: key,
+            tags.METHOD: method.name,
+            tags.DATASET: fingerprint(files, ["target"]),
+        }
+        run_id = experiment.start(f"{method.name} x{cfg.task.scale}", run_tags, None)
     else:
-        run_id = found.info.run_id
+        run_id = run.info.run_id
         experiment.restart(run_id, None)
-    experiment.log_params(run_id, {"model": name, "task.scale": cfg.task.scale, **protocol_parameters(cfg)})
+    parameters = {"model": method.name, "task.scale": cfg.task.scale, **protocol_parameters(cfg)}
+    experiment.log_params(run_id, parameters)
     log_result(experiment, run_id, result, {})
     experiment.finish(run_id)
     return result, means_of(experiment.client.get_run(run_id))
 
 
-def protocol_parameters(cfg: DictConfig) -> dict[str, str | int]:
-    """How it was scored, as MLflow shows it: quantisation, warm-up, border."""
+def protocol_parameters(cfg: DictConfig) -> Mapping[str, str | int]:
+    """Return how a method was scored, as MLflow shows it: quantisation, warm-up, border."""
     return {
-        "protocol": HydraConfig.get().runtime.choices["protocol"],
+        "protocol": choices()["protocol"],
         "protocol.warm_up": cfg.protocol.warm_up,
         "protocol.border": cfg.protocol.border,
     }

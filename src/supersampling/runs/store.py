@@ -18,12 +18,11 @@ from mlflow.exceptions import MlflowException
 
 from supersampling.errors import UserError
 from supersampling.metrics import scores
+from supersampling.runs import tags
 
 DOWNLOADS_AT_ONCE = 8
 Kind = Literal["job", "evaluation", "benchmark", "stress", "advice"]
 PAGE = 500
-SEARCHED = "ss.search"
-"""Marks a training of a search that is shorter than its last ones: no report takes it."""
 _OF_SCENE = re.compile(r"test/.+/.+")
 
 
@@ -113,9 +112,9 @@ class Store:
             token = None
             while True:
                 page = self._client.search_runs(
-                    [experiment_id], f"tags.`ss.kind` = '{kind}'", max_results=PAGE, page_token=token
+                    [experiment_id], tags.equals(tags.KIND, kind), max_results=PAGE, page_token=token
                 )
-                jobs = [job for job in page if SEARCHED not in job.data.tags]
+                jobs = [job for job in page if tags.SEARCH not in job.data.tags]
                 done = [_run(job) for job in jobs if job.info.status == "FINISHED"]
                 finished.extend(done)
                 unfinished += len(jobs) - len(done)
@@ -207,19 +206,19 @@ class Store:
 
 
 def _run(job: MlflowRun) -> Run:
-    tags, params = job.data.tags, dict(job.data.params)
-    kind: Kind = tags["ss.kind"]  # type: ignore[assignment]
+    run_tags, params = job.data.tags, dict(job.data.params)
+    kind: Kind = run_tags[tags.KIND]  # type: ignore[assignment]
     if kind == "evaluation":
         # They are the training's; of the data that it was scored on the fingerprint alone is known.
         params = {name: value for name, value in params.items() if name not in ("data", "data.scenes")}
     return Run(
         id=job.info.run_id,
         name=job.info.run_name or job.info.run_id[:8],
-        identity=tags.get("ss.identity", job.info.run_id),
-        dataset=tags.get("ss.dataset", "unknown"),
-        method=tags.get("ss.method", params.get("model", "unknown")),
-        machine=tags.get("ss.machine", "unknown"),
-        version=tags.get("ss.version", "unknown"),
+        identity=run_tags.get(tags.IDENTITY, job.info.run_id),
+        dataset=run_tags.get(tags.DATASET, "unknown"),
+        method=run_tags.get(tags.METHOD, params.get("model", "unknown")),
+        machine=run_tags.get(tags.MACHINE, "unknown"),
+        version=run_tags.get(tags.VERSION, "unknown"),
         ended=job.info.end_time or 0,
         params={sys.intern(k): sys.intern(v) for k, v in params.items()},
         # Scenes' own averages are in the clip tables.

@@ -1,6 +1,5 @@
 """How long methods take, as ``benchmark.py`` measures and logs it."""
 
-import hashlib
 import json
 import math
 from collections.abc import Iterable, Mapping
@@ -9,6 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+
+from supersampling.runs.identity import digest, with_former_paths
+from supersampling.runs.options import described
 
 TABLE = "timings.json"
 STAGES = "stages.json"
@@ -66,12 +68,17 @@ class Timing:
 
 
 def architecture(model_config: Mapping[str, Any], scale: int) -> str:
-    """16 hex digits of a model's resolved configuration and its scale: all that decides its speed, not its weights."""
-    content = {
-        "model": {k: v for k, v in model_config.items() if k not in _WEIGHTS_ONLY},
-        "scale": int(scale),
-    }
-    return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
+    """Return 16 hex digits of a model's resolved configuration and its scale: all that decides its speed, not its weights."""
+    return digest({"model": described(_without_weights(model_config)), "scale": int(scale)})
+
+
+def former_architecture(model_config: Mapping[str, Any], scale: int) -> str:
+    """Return what the first scheme called the same architecture, from the class paths."""
+    return digest({"model": with_former_paths(_without_weights(model_config)), "scale": int(scale)})
+
+
+def _without_weights(model_config: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in model_config.items() if key not in _WEIGHTS_ONLY}
 
 
 def table(timings: Iterable[Timing]) -> pd.DataFrame:

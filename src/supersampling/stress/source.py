@@ -1,18 +1,15 @@
 """The models that are tried: of the configuration with random weights, or one that was trained."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
 import torch
-from hydra import compose, initialize_config_dir
-from hydra.core.global_hydra import GlobalHydra
-from hydra.errors import ConfigCompositionException, HydraException, InstantiationException
+from hydra.errors import InstantiationException
 from hydra.utils import instantiate
 from omegaconf import DictConfig
 
+from supersampling.config import composed
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
 from supersampling.runs.method import method_of
@@ -48,27 +45,13 @@ def sources(cfg: DictConfig, models: tuple[str, ...], device: str) -> list[Sourc
     return made
 
 
-def _composed(overrides: list[str]) -> DictConfig:
-    """``stress.yaml`` with these overrides, in a Hydra application or without one."""
-    if GlobalHydra.instance().is_initialized():
-        return compose("stress", overrides)
-    with initialize_config_dir(str(Path(os.environ["SUPERSAMPLING_ROOT"]) / "conf"), version_base="1.3"):
-        return compose("stress", overrides)
-
-
 def _maker(name: str, seed: int, device: str) -> Callable[[int], Upsampler | None]:
     def make(scale: int) -> Upsampler | None:
         model, *overrides = str(name).split()
-        try:
-            composed = _composed([f"model={model}", *overrides, f"task.scale={scale}"])
-        except (ConfigCompositionException, HydraException) as error:
-            reason = str(error).splitlines()[0]
-            raise UserError(
-                f"models holds {name}, which cannot be composed ({reason}): see python stress.py --help."
-            ) from error
+        cfg = composed("stress", [f"model={model}", *overrides, f"task.scale={scale}"]).cfg
         torch.manual_seed(seed)
         try:
-            made: Upsampler = instantiate(composed.model)
+            made: Upsampler = instantiate(cfg.model)
         except InstantiationException as error:
             if isinstance(error.__cause__, UserError):
                 raise error.__cause__ from error

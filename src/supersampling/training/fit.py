@@ -15,7 +15,7 @@ from supersampling.data.module import Loaders
 from supersampling.errors import UserError
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
-from supersampling.runs.checkpoint import Carry, content
+from supersampling.runs.checkpoint import Carry, metadata
 from supersampling.training.module import Training, checkpoints
 from supersampling.training.tune import tune
 
@@ -48,7 +48,7 @@ def fit(
         log_every_n_steps=cfg.budget.steps,
         num_sanity_val_steps=0,
         enable_model_summary=False,
-        callbacks=[timer, Carry(content(cfg, run.tags, run.params, run_id)), checkpoints(folder)],
+        callbacks=[timer, Carry(metadata(cfg, run.tags, run.params, run_id)), checkpoints(folder)],
     )
     loaders = make_loaders(cfg, files, model, loss)
     trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)

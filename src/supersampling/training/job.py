@@ -1,8 +1,9 @@
-"""One job of ``train.py``: render what is missing, find or begin its run, fit, score, log."""
+"""One job: find or begin its run, fit, score, log."""
 
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from filelock import FileLock, Timeout
@@ -11,41 +12,42 @@ from mlflow.entities import Run
 from omegaconf import DictConfig, OmegaConf
 
 from supersampling.data.module import Source, fingerprint
-from supersampling.errors import let_go, was_interrupted
+from supersampling.errors import clear_traceback_frames, was_interrupted
 from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
+from supersampling.losses import Loss
 from supersampling.metrics.chosen import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.models.count import size_of
+from supersampling.runs import tags
 from supersampling.runs.checkpoint import load_weights
-from supersampling.runs.experiment import PARENT_VARIABLE, Experiment
-from supersampling.runs.identity import WEIGHTS_ONLY, flat_parameters, identity
+from supersampling.runs.experiment import FINISHED, PARENT_VARIABLE, Experiment
+from supersampling.runs.identity import SCHEME, Identity, flat_parameters, identity
+from supersampling.runs.method import CHECKPOINT, CONFIGURATION
 from supersampling.runs.naming import is_learned, method_name
-from supersampling.runs.scores import has_metrics, log_result, tuned_constants
+from supersampling.runs.options import described
+from supersampling.runs.scores import TUNED, has_metrics, log_result, tuned_constants
 from supersampling.training.fit import choose_constants, fit
 
 Files = Mapping[str, list[Path]]
 
 
 def fitting_buffers(cfg: DictConfig) -> frozenset[str]:
-    """All that decides a configuration's weights or constants: what its model, its loss and its choice of windows read."""
-    return _fitting(cfg, instantiate(cfg.model))
-
-
-def scoring_buffers(cfg: DictConfig) -> frozenset[str]:
-    """What a configuration's model and metrics read of a test clip."""
-    return evaluation_requires(instantiate(cfg.model), instantiate(cfg.metrics))
-
-
-def _fitting(cfg: DictConfig, model: Upsampler) -> frozenset[str]:
+    """Return all buffers that decide a configuration's weights or constants: its model, loss and window choice read them."""
+    model: Upsampler = instantiate(cfg.model)
     names = model.requires | {"target"}
     if is_learned(model):
         names |= model.compares | instantiate(cfg.loss).requires | instantiate(cfg.pick).requires
     return names
 
 
+def scoring_buffers(cfg: DictConfig) -> frozenset[str]:
+    """Return the buffers of a test clip that a configuration's model and metrics read."""
+    return evaluation_requires(instantiate(cfg.model), instantiate(cfg.metrics))
+
+
 def data_files(cfg: DictConfig, jobs: Sequence[DictConfig]) -> Files:
-    """The files of every split with the buffers that these jobs read; metrics read the test clips alone."""
+    """Return the files of every split, with the buffers that these jobs read; metrics read the test clips only."""
     source: Source = instantiate(cfg.data)
     fitted = frozenset().union(*map(fitting_buffers, jobs))
     scored = fitted.union(*map(scoring_buffers, jobs))
@@ -60,93 +62,109 @@ class Job:
     choices: Mapping[str, str]
     files: Files
     experiment: Experiment
-    announce: bool = True  # say so when there is nothing left to do
+    announce: bool = True  # print a line when there is nothing left to do
+
+    @cached_property
+    def learned(self) -> bool:
+        return is_learned(instantiate(self.cfg.model))
+
+    @cached_property
+    def _fingerprints(self) -> dict[str, str]:
+        names = fitting_buffers(self.cfg)
+        return {split: fingerprint(files, names) for split, files in self.files.items()}
+
+    @cached_property
+    def identity(self) -> Identity:
+        """Of the job's run: the only place where one is computed."""
+        return identity(self.cfg, self._fingerprints, self.learned)
+
+    @cached_property
+    def folder(self) -> Path:
+        """Of the job's checkpoint and lock; jobs that differ in their protocol only share it."""
+        weights = identity(self.cfg, self._fingerprints, self.learned, weights_only=True)
+        folders = [Path(self.cfg.paths.checkpoints) / key for key in (weights.former, weights.key)]
+        return next((folder for folder in folders if folder.exists()), folders[-1])
+
+    @property
+    def name(self) -> str:
+        parts = [method_name(self.choices)]
+        if self.learned:
+            loss: Loss = instantiate(self.cfg.loss)
+            parts += [loss.label or str(self.choices["loss"]), f"seed={self.cfg.seed}"]
+        return " ".join([*parts, f"x{self.cfg.task.scale}"])
 
     def run(self) -> None:
-        """Do the job unless its identity has finished; an unfinished one goes on from its checkpoint. A finished one that lacks a
-        metric is scored again; what it has is kept."""
-        model: Upsampler = instantiate(self.cfg.model)
-        learned = is_learned(model)
-        names = _fitting(self.cfg, model)
-        content = {s: fingerprint(f, names) for s, f in self.files.items()}
-        folder = Path(self.cfg.paths.checkpoints) / identity(self.cfg, content, learned, WEIGHTS_ONLY)
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / "lock")
+        """Do the job unless its identity has finished; an unfinished one continues from its checkpoint.
+
+        A finished one that lacks a metric is scored again; the scores that it has are kept.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(self.folder / "lock")
         try:
             lock.acquire(timeout=0)
         except Timeout:
-            print(f"{self._name(learned)}: another process is at this very job; waiting for it.", flush=True)
+            print(f"{self.name}: another process works on the same job; waiting for it.", flush=True)
             lock.acquire()
         try:
-            self._run_once(identity(self.cfg, content, learned), folder, learned)
+            self._run_locked()
         finally:
             lock.release()
 
-    def _run_once(self, key: str, folder: Path, learned: bool) -> None:
-        name = self._name(learned)
+    def _run_locked(self) -> None:
         metrics: Metrics = instantiate(self.cfg.metrics)
-        found = None if self.cfg.fresh else self.experiment.find(key)
-        finished = found is not None and found.info.status == "FINISHED"
-        if found is not None and finished and has_metrics(found, metrics):
+        previous = None if self.cfg.fresh else self.experiment.find(self.identity)
+        finished = previous is not None and previous.info.status == FINISHED
+        if previous is not None and finished and has_metrics(previous, metrics):
             if self.announce:
-                print(f"{name}: finished before as run {found.info.run_id}; fresh=true repeats it.")
+                print(f"{self.name}: finished before as run {previous.info.run_id}; fresh=true repeats it.")
             return
-        parent = os.environ.get(PARENT_VARIABLE)
-        if found is None:
-            run_id = self._begin(name, key, parent, learned)
-            if self.cfg.fresh:
-                (folder / "last.ckpt").unlink(missing_ok=True)
-        else:
-            run_id = found.info.run_id
-            self.experiment.restart(run_id, parent)
-            # What a run of an earlier version lacks.
-            self.experiment.log_params(run_id, flat_parameters(self.cfg, self.choices, learned))
+        run_id = self._begin() if previous is None else self._continue(previous)
         try:
-            print(f"{name}: run {run_id}{', scored again' if finished else ''}", flush=True)
-            if found is not None and finished:
-                model = self._finished(found, learned)
-            elif learned:
-                model = fit(self.cfg, self.files, folder, self.experiment, run_id)
-            else:
-                model = self._classical(run_id)
+            print(f"{self.name}: run {run_id}{', scored again' if finished else ''}", flush=True)
+            model = self._finished_model(previous) if previous is not None and finished else self._fit(run_id)
             result = evaluate(model, metrics, instantiate(self.cfg.protocol), self.files["test"])
             log_result(self.experiment, run_id, result, size_of(model))
             self.experiment.finish(run_id)
         except BaseException as error:
-            let_go(error)  # what it cut short may hold the store's lock
-            # Scores that could not be added leave a finished run as it was.
-            status = "FINISHED" if finished else "KILLED" if was_interrupted(error) else "FAILED"
+            clear_traceback_frames(error)  # an interrupted transaction holds the store's lock
+            # A finished run stays finished if further scores could not be added.
+            status = FINISHED if finished else "KILLED" if was_interrupted(error) else "FAILED"
             self.experiment.finish(run_id, status)
             raise
 
-    def _finished(self, run: Run, learned: bool) -> Upsampler:
-        """The method of a finished run, with its weights or its tuned constants."""
-        model: Upsampler = instantiate(self.cfg.model, **tuned_constants(run))
-        if learned:
-            load_weights(model, self.experiment.artifact(run.info.run_id, "checkpoint/last.ckpt"))
-        return model
-
-    def _name(self, learned: bool) -> str:
-        parts = [method_name(self.choices)]
-        if learned:
-            theta = OmegaConf.select(self.cfg, "loss.theta")
-            parts.append(f"theta={theta}" if theta is not None else str(self.choices["loss"]))
-            parts.append(f"seed={self.cfg.seed}")
-        return " ".join([*parts, f"x{self.cfg.task.scale}"])
-
-    def _begin(self, name: str, key: str, parent: str | None, learned: bool) -> str:
-        tags = {
-            "ss.kind": "job",
-            "ss.identity": key,
-            "ss.dataset": fingerprint(self.files["test"], ["target"]),
-            "ss.method": method_name(self.choices),
+    def _begin(self) -> str:
+        run_tags = {
+            tags.KIND: "job",
+            tags.IDENTITY: self.identity.key,
+            tags.SCHEME: SCHEME,
+            tags.DATASET: fingerprint(self.files["test"], ["target"]),
+            tags.METHOD: method_name(self.choices),
         }
-        run_id = self.experiment.start(name, tags, parent)
-        self.experiment.log_params(run_id, flat_parameters(self.cfg, self.choices, learned))
-        self.experiment.client.log_text(run_id, OmegaConf.to_yaml(self.cfg, resolve=True), "config.yaml")
+        run_id = self.experiment.start(self.name, run_tags, os.environ.get(PARENT_VARIABLE))
+        self.experiment.log_params(run_id, flat_parameters(self.cfg, self.choices, self.learned))
+        config = OmegaConf.create(described(OmegaConf.to_container(self.cfg, resolve=True)))
+        self.experiment.client.log_text(run_id, OmegaConf.to_yaml(config), CONFIGURATION)
+        if self.cfg.fresh:
+            (self.folder / "last.ckpt").unlink(missing_ok=True)
         return run_id
 
-    def _classical(self, run_id: str) -> Upsampler:
+    def _continue(self, run: Run) -> str:
+        run_id = str(run.info.run_id)
+        self.experiment.restart(run_id, os.environ.get(PARENT_VARIABLE))
+        # Parameters that a run of an earlier version does not have.
+        self.experiment.log_params(run_id, flat_parameters(self.cfg, self.choices, self.learned))
+        return run_id
+
+    def _fit(self, run_id: str) -> Upsampler:
+        if self.learned:
+            return fit(self.cfg, self.files, self.folder, self.experiment, run_id)
         model, constants = choose_constants(self.cfg, self.files["train"])
-        self.experiment.log_params(run_id, {f"tuned.{k}": v for k, v in constants.items()})
+        self.experiment.log_params(run_id, {f"{TUNED}{k}": v for k, v in constants.items()})
+        return model
+
+    def _finished_model(self, run: Run) -> Upsampler:
+        """Return the method of a finished run, with its weights or its tuned constants."""
+        model: Upsampler = instantiate(self.cfg.model, **tuned_constants(run))
+        if self.learned:
+            load_weights(model, self.experiment.artifact(run.info.run_id, CHECKPOINT))
         return model

@@ -7,7 +7,7 @@ from hydra.utils import instantiate
 
 from supersampling.errors import UserError
 from supersampling.models.count import random_frame
-from supersampling.runs.checkpoint import KEY, build, carried, content
+from supersampling.runs.checkpoint import KEY, build, metadata, read_metadata
 from supersampling.runs.experiment import open_experiment
 from supersampling.runs.method import method_of
 from supersampling.runs.naming import method_name
@@ -29,7 +29,7 @@ def saved(configure, tmp_path):
         torch.manual_seed(0)
         model = instantiate(cfg.model)
         weights = {f"model.{k}": v for k, v in model.state_dict().items()}
-        inside = {KEY: content(cfg, {"ss.method": "mine"}, {"seed": "7"}, "r1")} if carry else {}
+        inside = {KEY: metadata(cfg, {"ss.method": "mine"}, {"seed": "7"}, "r1")} if carry else {}
         path = tmp_path / "some.ckpt"
         torch.save({"state_dict": weights, **inside}, path)
         return path, model
@@ -92,8 +92,8 @@ def test_what_the_command_line_may_still_say(saved, configure):
         ("task.scale=3", "trained for scale 2, but task.scale=3"),
         ("task=qrisp", "trained for scale 2, but task.scale=4"),
         ("data=qrisp", "trained for scale 2, but task.scale=4"),
-        ("model=tus", "model=supersampling.models.dlctus.DLCTUS, but the command line has model=supersampling.models.tus"),
-        ("model/accumulate=none", "NoAccumulation"),
+        ("model=tus", "holds model=dlctus, but the command line has model=tus"),
+        ("model/accumulate=none", "model/accumulate=buffer, but the command line has model/accumulate=none"),
         ("model.reproject.a=-0.5", "model.reproject.a=-0.75, but the command line has model.reproject.a=-0.5"),
         ("model.scale=4", "model.scale=2, but the command line has model.scale=4"),
     ],
@@ -106,7 +106,7 @@ def test_what_contradicts_it(override, part, saved, configure):
 
 def test_older_checkpoints_need_their_model(saved, configure):
     path, model = saved("model/accumulate=none", carry=False)
-    assert carried(path) is None
+    assert read_metadata(path) is None
     method = method_of(configure("evaluate", f"checkpoint={path}", "model/accumulate=none"))
     assert same(model, method.model)
     assert method.name == "dlctus accumulate=none"
@@ -122,7 +122,7 @@ def test_files_that_are_none(configure, tmp_path):
         method_of(configure("evaluate", f"checkpoint={tmp_path}/text.ckpt"))
     torch.save({"state_dict": {}, KEY: {"model": "x"}}, tmp_path / "broken.ckpt")
     with pytest.raises(UserError, match="broken"):
-        carried(tmp_path / "broken.ckpt")
+        read_metadata(tmp_path / "broken.ckpt")
 
 
 @pytest.mark.parametrize(
@@ -137,15 +137,18 @@ def test_files_that_are_none(configure, tmp_path):
         "supersampling.losses.perceptual.Perceptual",  # neither model nor stage
         "supersampling.models.",
         "hydra.utils.get_method",
+        "backends=native",
+        "optimizer=adam",
         ["a"],
     ],
 )
 @pytest.mark.parametrize("where", ["top", "stage", "list"])
-def test_nothing_but_our_models_and_stages_is_called(target, where, saved, configure, tmp_path):
+@pytest.mark.parametrize("key", ["_target_", "option"])
+def test_nothing_but_models_and_stages_is_called(key, target, where, saved, configure, tmp_path):
     path, _ = saved()
     file = torch.load(path, weights_only=True)
     made = tmp_path / "made"
-    bad = {"_target_": target, "_args_": [str(made), "w"]}
+    bad = {key: target, "_args_": [str(made), "w"]}
     model = file[KEY]["model"]
     file[KEY]["model"] = {
         "top": bad, "stage": {**model, "confine": bad}, "list": {**model, "confine": [{"inside": [bad]}]},
@@ -165,5 +168,5 @@ def test_nothing_is_interpolated():
 def test_a_model_of_another_version_says_so():
     with pytest.raises(UserError, match="use the version that wrote it"):
         build({"_target_": "supersampling.models.jau.JAU", "scale": 2, "gone": 1}, "f")
-    with pytest.raises(UserError, match="describes no method"):
+    with pytest.raises(UserError, match="describes a Zeros, not a method"):
         build({"_target_": "supersampling.stages.pad.Zeros"}, "f")

@@ -1,0 +1,6 @@
+"""Pick a method for a time budget: ``python pick.py --help``."""
+
+from supersampling.commands.entry import script
+
+if __name__ == "__main__":
+    script(__file__)

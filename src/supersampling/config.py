@@ -1,0 +1,76 @@
+"""Configurations composed in code, by the one function that every command uses."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hydra import compose, initialize_config_dir
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import ConfigCompositionException, HydraException
+from omegaconf import DictConfig, open_dict
+from omegaconf.errors import OmegaConfBaseException
+
+from supersampling.errors import UserError
+from supersampling.resources import resources
+
+VERSION_BASE = "1.3"
+
+
+@dataclass(frozen=True)
+class Composition:
+    """A configuration, and the selected option of each group."""
+
+    cfg: DictConfig
+    choices: dict[str, str]
+
+
+def composed(name: str, overrides: Sequence[str]) -> Composition:
+    """Compose a command's configuration, inside of a Hydra application or without one.
+
+    Raises:
+        UserError: an override that this configuration does not have.
+    """
+    try:
+        if GlobalHydra.instance().is_initialized():
+            cfg = compose(name, list(overrides), return_hydra_config=True)
+        else:
+            with initialize_config_dir(str(resources() / "conf"), version_base=VERSION_BASE):
+                cfg = compose(name, list(overrides), return_hydra_config=True)
+    except (ConfigCompositionException, HydraException, OmegaConfBaseException) as error:
+        reason = str(error).splitlines()[0].rstrip(".:")
+        raise UserError(
+            f"{' '.join(overrides)} cannot be composed ({reason}): see python {name}.py --help for the groups and settings."
+        ) from error
+    choices = dict(cfg.hydra.runtime.choices)
+    with open_dict(cfg):
+        del cfg["hydra"]
+    return Composition(cfg, choices)
+
+
+def group_options(group: str) -> list[str]:
+    """Return the options of a group such as ``model`` or ``model/reproject``."""
+    folder: Path = resources() / "conf" / group
+    return sorted(path.stem for path in folder.glob("*.yaml"))
+
+
+def typed_overrides() -> list[str]:
+    """Return the overrides of the command line, none outside of a Hydra application."""
+    return [str(o) for o in HydraConfig.get().overrides.task] if HydraConfig.initialized() else []
+
+
+def key_of(override: str) -> str:
+    """Return the key or group that an override sets: ``model/reproject`` of ``+model/reproject@x=bilinear``."""
+    return override.lstrip("+~").partition("=")[0].partition("@")[0]
+
+
+def choices() -> dict[str, Any]:
+    """Return the selected option of each group of the running command."""
+    return dict(HydraConfig.get().runtime.choices)
+
+
+def parsed(overrides: Sequence[str]) -> list[Any]:
+    """Return Hydra's own reading of overrides."""
+    return list(OverridesParser.create().parse_overrides(list(overrides)))
