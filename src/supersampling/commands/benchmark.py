@@ -11,7 +11,7 @@ import torch
 from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
-from supersampling.commands import settings
+from supersampling import settings
 from supersampling.commands.cost import cost
 from supersampling.errors import UserError
 from supersampling.profiling.backends import Backend

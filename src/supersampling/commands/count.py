@@ -6,7 +6,7 @@ import pandas as pd
 from hydra.utils import instantiate
 from omegaconf import DictConfig
 
-from supersampling.commands import settings
+from supersampling import settings
 from supersampling.config import typed_overrides
 from supersampling.models.base import Upsampler
 from supersampling.models.count import Row, count_modules

@@ -8,7 +8,7 @@ import torch
 from hydra.utils import instantiate
 from omegaconf import DictConfig
 
-from supersampling.commands import settings
+from supersampling import settings
 from supersampling.data.module import Source, fingerprint
 from supersampling.evaluation import result
 from supersampling.evaluation.folder import clip_files

@@ -12,7 +12,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 from torch import Tensor
 
-from supersampling.commands import settings
+from supersampling import settings
 from supersampling.data.module import Source
 from supersampling.deploy import graph
 from supersampling.deploy.check import Difference, at_other_sizes, compare, random_frames, recorded_frames

@@ -8,7 +8,7 @@ import torch
 from omegaconf import DictConfig
 from tqdm import tqdm
 
-from supersampling.commands import settings
+from supersampling import settings
 from supersampling.errors import was_interrupted
 from supersampling.runs import tags
 from supersampling.runs.experiment import experiment_of
