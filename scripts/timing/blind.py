@@ -1,4 +1,4 @@
-"""Which metric sees which fault: every fault on the targets of one clip of a data set file, as docs/metrics.md has it.
+"""Table of the metrics' sensitivity to faults: all faults on the targets of one clip, as in docs/metrics.md.
 
     python scripts/timing/blind.py FILE.h5 [CLIP [FRAMES]]
 
@@ -31,18 +31,18 @@ from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import warp
 
 BUFFERS = ("target", "motion", "motion_dual", "target_radiance")
-FRAME_METRICS: list[Metric] = [PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP(), PSNRMu(1.0), FLIPHDR(-3, 3, 6),
-                               Temporal(), Regions()]  # fmt: skip
-CLIP_METRICS: list[VideoMetric] = [StaticDeviation(), WarpingError(DualMotion()), WarpingError(Photometric()), StRred(),
-                                   Vmaf(), ColorVideoVdp()]  # fmt: skip
+STILL_METRICS: tuple[Metric, ...] = (PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP())
+FRAME_METRICS: list[Metric] = [*STILL_METRICS, PSNRMu(1.0), FLIPHDR(-3, 3, 6), Temporal(), Regions()]
+WARPING_METRICS: tuple[VideoMetric, ...] = (WarpingError(DualMotion()), WarpingError(Photometric()))
+CLIP_METRICS: list[VideoMetric] = [StaticDeviation(), *WARPING_METRICS, StRred(), Vmaf(), ColorVideoVdp()]
 NOT_SCORES = ("fraction", "_reference", "_ratio")
+# A metric is blind to a fault if it changes by less than this share of its largest change for any fault.
 BLIND = 0.05
-"""Of the most that a metric makes of any fault here: what it makes less of, it hardly sees."""
 
 
 @dataclass(frozen=True)
 class Clip:
-    """``(T, C, H, W)``; low resolution for both motions."""
+    """Buffers of a clip, ``(T, C, H, W)``; both kinds of motion are in low resolution."""
 
     target: Tensor
     motion: Tensor
@@ -50,36 +50,36 @@ class Clip:
     target_radiance: Tensor
 
 
-Pictures = tuple[Tensor, Tensor]
-"""A method's display colours and radiance, ``(T, 3, H, W)`` each."""
+# Display colours and radiance of a method, ``(T, 3, H, W)`` each.
+Images = tuple[Tensor, Tensor]
 
 
-def each(change: Callable[[Tensor], Tensor]) -> Callable[[Clip], Pictures]:
-    """The same of display colours and of radiance."""
+def apply_to_both(change: Callable[[Tensor], Tensor]) -> Callable[[Clip], Images]:
+    """Return a fault that applies the same change to display colours and to radiance."""
     return lambda clip: (change(clip.target), change(clip.target_radiance))
 
 
 def flicker(images: Tensor) -> Tensor:
-    """The middle frame is a tenth brighter."""
+    """Make the middle frame brighter by a tenth."""
     gain = torch.ones(len(images), 1, 1, 1)
     gain[len(images) // 2] = 1.1
     return images * gain
 
 
-def ghost(clip: Clip) -> Pictures:
-    """Half of what is shown is the frame before, carried along the motion, even to where nothing was seen before."""
+def ghost(clip: Clip) -> Images:
+    """Blend every frame equally with the warped previous frame, also where nothing was visible before."""
     height, width = clip.target.shape[-2:]
-    shown = []
+    blended = []
     for images in (clip.target, clip.target_radiance):
         frames = [images[:1]]
         for image, motion in zip(images[1:], clip.motion[1:]):
             frames.append(0.5 * (image + warp(frames[-1], upsample_motion(motion[None], (height, width)))))
-        shown.append(torch.cat(frames))
-    return shown[0], shown[1]
+        blended.append(torch.cat(frames))
+    return blended[0], blended[1]
 
 
-def gamma(clip: Clip) -> Pictures:
-    """The radiance is right, its tone map is a power of 1/2.2."""
+def gamma(clip: Clip) -> Images:
+    """Keep the radiance and replace the tone map by a power of 1/2.2."""
     return clip.target_radiance.clamp(0.0, 1.0) ** (1.0 / 2.2), clip.target_radiance
 
 
@@ -88,61 +88,62 @@ def blur(images: Tensor) -> Tensor:
 
 
 def noise(images: Tensor) -> Tensor:
-    """Another one in each frame, 0.03."""
+    """Add noise of deviation 0.03 that differs in each frame."""
     return images + 0.03 * torch.randn(images.shape, generator=torch.Generator().manual_seed(0))
 
 
 def tint(images: Tensor) -> Tensor:
-    """Red for blue, at the same luma."""
+    """Shift blue to red at the same luma."""
     return images + torch.tensor((0.05, 0.0, -0.05 * 0.2126 / 0.0722))[:, None, None]
 
 
-FAULTS: dict[str, Callable[[Clip], Pictures]] = {
-    "none": each(lambda images: images),
-    "flicker": each(flicker),
+FAULTS: dict[str, Callable[[Clip], Images]] = {
+    "none": apply_to_both(lambda images: images),
+    "flicker": apply_to_both(flicker),
     "ghost": ghost,
-    "shift": each(lambda images: torch.roll(images, 1, dims=-1)),
+    "shift": apply_to_both(lambda images: torch.roll(images, 1, dims=-1)),
     "tone map": gamma,
-    "channels": each(lambda images: images.flip(1)),
-    "tint": each(tint),
-    "blur": each(blur),
-    "noise": each(noise),
+    "channels": apply_to_both(lambda images: images.flip(1)),
+    "tint": apply_to_both(tint),
+    "blur": apply_to_both(blur),
+    "noise": apply_to_both(noise),
 }
 
 
-def moments(clip: Clip, pictures: Pictures) -> Iterator[Moment]:
-    shown, light = pictures[0].clamp(0.0, 1.0), pictures[1].clamp_min(0.0)
+def moments(clip: Clip, images: Images) -> Iterator[Moment]:
+    """Yield the metrics' inputs for every frame."""
+    display, radiance = images[0].clamp(0.0, 1.0), images[1].clamp_min(0.0)
     for t in range(len(clip.target)):
-        now = slice(t, t + 1)
+        frame = slice(t, t + 1)
         yield Moment(
-            output=shown[now],
-            target=clip.target[now],
-            previous=(shown[t - 1 : t], clip.target[t - 1 : t]) if t else None,
-            motion=clip.motion[now],
-            motion_dual=clip.motion_dual[now],
-            radiance=(light[now], clip.target_radiance[now]),
+            output=display[frame],
+            target=clip.target[frame],
+            previous=(display[t - 1 : t], clip.target[t - 1 : t]) if t else None,
+            motion=clip.motion[frame],
+            motion_dual=clip.motion_dual[frame],
+            radiance=(radiance[frame], clip.target_radiance[frame]),
         )
 
 
 @torch.inference_mode()
-def scores(clip: Clip, pictures: Pictures, metrics: list[Metric], videos: list[VideoMetric]) -> dict[str, float]:
-    """Frames' values as means of those that there are."""
-    found: dict[str, float] = {}
+def scores(clip: Clip, images: Images, metrics: list[Metric], videos: list[VideoMetric]) -> dict[str, float]:
+    """Return all scores by name; of frame metrics, the mean of the values that are not NaN."""
+    result: dict[str, float] = {}
     for metric in metrics:
-        rows = [metric(moment) for moment in moments(clip, pictures)]
+        rows = [metric(moment) for moment in moments(clip, images)]
         for name in metric.names:
             values = [row[name] for row in rows if not math.isnan(row[name])]
-            found[name] = sum(values) / len(values) if values else math.nan
+            result[name] = sum(values) / len(values) if values else math.nan
     for video in videos:
         with video.begin() as scoring:
-            for moment in moments(clip, pictures):
+            for moment in moments(clip, images):
                 scoring.add(moment)
-            found |= scoring.finish()
-    return {name: value for name, value in found.items() if not any(word in name for word in NOT_SCORES)}
+            result |= scoring.finish()
+    return {name: value for name, value in result.items() if not any(word in name for word in NOT_SCORES)}
 
 
 def loss(name: str, value: float, perfect: float) -> float:
-    """0 for the target itself, more is worse; of decibels, the error's root mean square."""
+    """Convert a score to a loss: 0 for the target, larger is worse; decibels become the root mean square error."""
     if name.startswith("psnr"):
         return 10.0 ** (-value / 20.0)
     higher = name.startswith(("ssim", "mssim", "vmaf", "cvvdp"))
@@ -150,18 +151,18 @@ def loss(name: str, value: float, perfect: float) -> float:
 
 
 def blind_to(name: str, values: dict[str, float]) -> set[str]:
-    """The faults, of the metric's values by fault, that it hardly sees or that it takes for better than the target."""
+    """Return the faults that barely change a metric or improve it over the target, given its values by fault."""
     losses = {fault: loss(name, value, values["none"]) for fault, value in values.items()}
     return {fault for fault in losses if fault != "none" and losses[fault] < BLIND * max(losses.values())}
 
 
 def read(path: Path, number: int, frames: int) -> Clip:
-    """The clip's last frames."""
+    """Read the last frames of a clip."""
     store = Store(path)
     span = slice(store.spec.frames - frames, store.spec.frames)
-    held = {name: torch.from_numpy(store.read(name, number, span)) for name in BUFFERS}
+    buffers = {name: torch.from_numpy(store.read(name, number, span)) for name in BUFFERS}
     store.close()
-    return Clip(**held)
+    return Clip(**buffers)
 
 
 def main(path: str, number: int = 0, frames: int = 16) -> None:

@@ -1,4 +1,4 @@
-"""What the benchmarks of a training step share: a composed configuration, its objects, a clip of noise, and the plain step."""
+"""A training step to time: its configuration, its objects, a clip of noise, and the plain step."""
 
 import os
 from collections.abc import Mapping
@@ -27,47 +27,56 @@ MODELS = ("dlctus", "nsrr", "nsrd", "enss_s", "enss_m")
 
 
 def cases(overrides: list[str]) -> dict[str, DictConfig]:
-    """The configuration of each method at the laptop budget; ``overrides`` are train.py's, ``model=a,b`` chooses methods."""
+    """Return the configuration of each method at the laptop budget.
+
+    ``overrides`` are those of train.py; ``model=a,b`` selects methods.
+    """
     register()
-    said = [o.removeprefix("model=") for o in overrides if o.startswith("model=")]
+    selected = [o.removeprefix("model=") for o in overrides if o.startswith("model=")]
     rest = [o for o in overrides if not o.startswith("model=")]
     if not any(o.startswith("budget=") for o in rest):
         rest.insert(0, "budget=laptop")
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-        names = said[0].split(",") if said else MODELS
+        names = selected[0].split(",") if selected else MODELS
         return {name: compose("train", [f"model={name}", *rest]) for name in names}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Case:
-    """A method with its loss, optimizer, schedule, and a batch in memory; ``kept`` outputs reach the loss."""
+    """A method with its loss, optimizer, schedule, and a batch in memory; the loss reads the last ``outputs``."""
 
     model: Upsampler
     loss: Loss
     optimizer: torch.optim.Optimizer
     scheduler: Any
-    kept: int
+    outputs: int
     clip: Mapping[str, Tensor]
     device: torch.device
 
     @classmethod
-    def of(cls, cfg: DictConfig) -> "Case":
+    def from_config(cls, cfg: DictConfig) -> "Case":
+        """Instantiate a configuration on the device that training would use."""
         L.seed_everything(0, verbose=False)
         device = L.Fabric(accelerator=cfg.trainer.accelerator, devices=1).device
         model, loss = instantiate(cfg.model).to(device), instantiate(cfg.loss).to(device)
         optimizer = instantiate(cfg.optimizer)(model.parameters())
-        scheduler = instantiate(cfg.budget.scheduler)(optimizer)
-        kept = cfg.budget.counted + loss.previous
-        names = model.requires | model.compares | loss.requires
-        clip = noise(cfg, names, kept, device)
-        return cls(model, loss, optimizer, scheduler, kept, clip, device)
+        outputs = cfg.budget.counted + loss.previous
+        return cls(
+            model=model,
+            loss=loss,
+            optimizer=optimizer,
+            scheduler=instantiate(cfg.budget.scheduler)(optimizer),
+            outputs=outputs,
+            clip=noise(cfg, model.requires | model.compares | loss.requires, outputs, device),
+            device=device,
+        )
 
     def step(self) -> None:
-        """One step as plain as it gets, its phases marked for a profiler."""
+        """Run one plain training step, its phases marked for a profiler."""
         with record_function("forward"):
-            outputs = unroll(self.model, self.clip, self.kept)
+            outputs = unroll(self.model, self.clip, self.outputs)
         with record_function("loss"):
-            frames = {name: values[:, -self.kept :] for name, values in self.clip.items()}
+            frames = {name: values[:, -self.outputs :] for name, values in self.clip.items()}
             value = self.loss(outputs, self.model.reference(frames), frames)
         with record_function("backward"):
             value.backward()
@@ -77,14 +86,14 @@ class Case:
             self.scheduler.step()
 
 
-def noise(cfg: DictConfig, names: frozenset[str], kept: int, device: torch.device) -> dict[str, Tensor]:
-    """A batch of what a loader gives, of the same shapes; high-resolution buffers are there for the last ``kept`` frames."""
+def noise(cfg: DictConfig, names: frozenset[str], outputs: int, device: torch.device) -> dict[str, Tensor]:
+    """Return a random batch with a loader's shapes; high-resolution buffers cover the last ``outputs`` frames."""
     batch, high = cfg.budget.batch, cfg.budget.crop
     clip = {}
     for name in sorted(names):
         buffer = BUFFERS[name]
         side = {"low": (high // cfg.task.scale,) * 2, "high": (high,) * 2, "frame": ()}[buffer.resolution]
-        frames = kept if buffer.resolution == "high" else cfg.budget.frames
+        frames = outputs if buffer.resolution == "high" else cfg.budget.frames
         values = torch.rand(batch, frames, buffer.channels, *side, device=device)
         if buffer.kind == "plane":
             values = (values - 0.5) * (1.0 if buffer.resolution == "frame" else 0.04)

@@ -1,13 +1,13 @@
-"""How much of a frame's time its convolutions would take alone, and what takes the rest, for every model.
+"""Share of a frame's time that its convolutions need, and the operations that take the rest, for every model.
 
     python scripts/timing/ceiling.py                                   all models to 1920x1080 at 4x4, two threads
     python scripts/timing/ceiling.py model=enss_s,dlctus threads=1 clock=cpu layout=channels_last
 
-Two ceilings: *alone* is the time of the frame's own convolutions, the same shapes run one after another, each in the faster of
-the two layouts, over the time of the frame; *product* is that of a large matrix product with as many multiply-accumulates. A
-method that computes its convolutions another way (DLCTUS's native form: Winograd's) may be above 1. Of a model without
-convolutions there is neither. Below each line: what the frame's operations take of it, largest first.
-``clock=cpu`` counts the process's own time in place of the wall's, for one thread on a machine that others use, too.
+Two ceilings, relative to the time of the frame: *alone* is the time of the frame's convolutions only, with the same
+shapes, one after another, each in the faster of the two layouts; *product* is the time of a large matrix product with
+as many multiply-accumulates. A method with a different convolution algorithm (DLCTUS's native form uses Winograd's) may
+exceed 1. Models without convolutions have neither. Below each line are the shares of the frame's operations, largest
+first. ``clock=cpu`` counts processor time of the process instead of wall time, for one thread on a shared machine.
 """
 
 import os
@@ -38,15 +38,21 @@ os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 CONF = ROOT / "conf"
 MODELS = "dlctus,dlctus:deployed,dlctus:native,nsrd,enss_s,enss_m,enss_l,tus,jau,bicubic,nsrr"
 DEFAULTS = {
-    "model": MODELS, "threads": "2", "repeats": "5", "size": "1920x1080", "scale": "4", "clock": "wall", "layout": "contiguous",
-}  # fmt: skip
+    "model": MODELS,
+    "threads": "2",
+    "repeats": "5",
+    "size": "1920x1080",
+    "scale": "4",
+    "clock": "wall",
+    "layout": "contiguous",
+}
 CLOCKS = {"wall": time.perf_counter, "cpu": time.process_time}
 
 Call = tuple[Any, ...]
 
 
 class Recorder(TorchDispatchMode):
-    """The time of every operation, by name, and the arguments of the convolutions."""
+    """Recorder of the time of every operation, by name, and of the arguments of convolutions."""
 
     def __init__(self, clock: Callable[[], float]) -> None:
         super().__init__()
@@ -65,7 +71,7 @@ class Recorder(TorchDispatchMode):
 
 
 def build(name: str, scale: int, layout: str) -> Upsampler:
-    """A model of ``conf/model``, in the form after the colon: the plain one, ``deployed`` or ``native``."""
+    """Build a model of ``conf/model`` in the form after the colon: plain if none, ``deployed`` or ``native``."""
     name, _, form = name.partition(":")
     register()
     with initialize_config_dir(str(CONF), version_base="1.3"):
@@ -74,11 +80,13 @@ def build(name: str, scale: int, layout: str) -> Upsampler:
     model: Upsampler = instantiate(cfg.model).eval()
     if form and isinstance(model, DLCTUS):
         model = DLCTUSNative(model) if form == "native" else model.for_inference()
-    return model.to(memory_format=torch.channels_last) if layout == "channels_last" else model  # type: ignore[call-overload]
+    if layout == "channels_last":
+        model = model.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    return model
 
 
 def macs(call: Call) -> int:
-    """Of a convolution that is not transposed."""
+    """Return the multiply-accumulates of a convolution that is not transposed."""
     x, weight, _, stride, padding, dilation = call[:6]
     sides = [
         (n + 2 * p - d * (k - 1) - 1) // s + 1
@@ -87,19 +95,15 @@ def macs(call: Call) -> int:
     return int(x.shape[0] * sides[0] * sides[1] * weight.numel())
 
 
-def alone(calls: list[Call], clock: Callable[[], float], repeats: int) -> float:
-    """Seconds of the convolutions, equal shapes timed once, each in its faster layout."""
+def convolution_seconds(calls: list[Call], clock: Callable[[], float], repeats: int) -> float:
+    """Return the seconds of the convolutions; equal shapes are timed once, each in its faster layout."""
     shapes = Counter((c[0].shape, c[1].shape, *map(tuple, c[3:6]), c[8]) for c in calls)
     total = 0.0
     for (x_shape, w_shape, stride, padding, dilation, groups), count in shapes.items():
         times = []
         for layout in (torch.contiguous_format, torch.channels_last):
             x = torch.rand(x_shape).contiguous(memory_format=layout)
-            weight, bias = (
-                torch.rand(w_shape).contiguous(memory_format=layout),
-                torch.rand(w_shape[0]),
-            )
-
+            weight, bias = torch.rand(w_shape).contiguous(memory_format=layout), torch.rand(w_shape[0])
             run = partial(torch.conv2d, x, weight, bias, stride, padding, dilation, groups)
             run()
             times.append(fastest(run, clock, repeats))
@@ -117,7 +121,7 @@ def fastest(work: Callable[[], object], clock: Callable[[], float], repeats: int
 
 
 def convolutions(model: Upsampler, width: int, height: int) -> list[Call]:
-    """The frame's convolutions; of the native form, those that the plain one would make."""
+    """Return the convolutions of a frame."""
     recorder, frame = Recorder(time.perf_counter), random_frame(model, width, height, "cpu")
     state = model(frame, None)[1]
     with recorder:
@@ -125,12 +129,14 @@ def convolutions(model: Upsampler, width: int, height: int) -> list[Call]:
     return recorder.calls
 
 
-def line(name: str, asked: Mapping[str, str], rate: float) -> None:
-    clock, repeats, scale = CLOCKS[asked["clock"]], int(asked["repeats"]), int(asked["scale"])
-    width, height = (int(n) // scale for n in asked["size"].split("x"))
-    model = build(name, scale, asked["layout"])
+def print_model(name: str, options: Mapping[str, str], rate: float) -> None:
+    """Time one model and print its lines."""
+    clock, repeats, scale = CLOCKS[options["clock"]], int(options["repeats"]), int(options["scale"])
+    width, height = (int(n) // scale for n in options["size"].split("x"))
+    model = build(name, scale, options["layout"])
     frames = [random_frame(model, width, height, "cpu", seed=t) for t in range(3)]
-    calls = convolutions(build(name.replace(":native", ":deployed"), scale, asked["layout"]), width, height)
+    # The native form has no PyTorch convolutions: count those of the deployed form.
+    calls = convolutions(build(name.replace(":native", ":deployed"), scale, options["layout"]), width, height)
     state: Any = None
     for frame in frames:
         _, state = model(frame, state)
@@ -142,32 +148,33 @@ def line(name: str, asked: Mapping[str, str], rate: float) -> None:
     recorder = Recorder(clock)
     with recorder:
         model(frames[0], state)
-    whole, work = min(times), sum(map(macs, calls))
-    found = f"{name:16s}{1e3 * whole:9.1f} ms (median {1e3 * statistics.median(times):.1f}){work / 1e9:9.2f} GMAC"
+    frame, work = min(times), sum(map(macs, calls))
+    line = f"{name:16s}{1e3 * frame:9.1f} ms (median {1e3 * statistics.median(times):.1f}){work / 1e9:9.2f} GMAC"
     if work:
-        bound = alone(calls, clock, repeats)
-        found += f"   alone {bound / whole:5.2f} ({work / bound / 1e9:.0f} GMAC/s)   product {work / rate / whole:5.2f}"
-    print(found)
-    total = max(whole, sum(recorder.seconds.values()))
+        bound = convolution_seconds(calls, clock, repeats)
+        line += f"   alone {bound / frame:5.2f} ({work / bound / 1e9:.0f} GMAC/s)   product {work / rate / frame:5.2f}"
+    print(line)
+    total = max(frame, sum(recorder.seconds.values()))
     largest = sorted(recorder.seconds.items(), key=lambda item: -item[1])
     shares = [f"{op} {s / total:.0%}" for op, s in largest[:9] if s / total > 0.01]
     if name.endswith(":native"):
-        shares = ["C++ (not PyTorch's operations)"]
+        shares = ["C++ instead of PyTorch operations"]
     print(" " * 8 + ", ".join(shares), flush=True)
 
 
 def main() -> None:
-    asked = DEFAULTS | dict(word.split("=", 1) for word in sys.argv[1:])
-    torch.set_num_threads(int(asked["threads"]))
+    options = DEFAULTS | dict(argument.split("=", 1) for argument in sys.argv[1:])
+    torch.set_num_threads(int(options["threads"]))
     memory.keep()
-    clock = CLOCKS[asked["clock"]]
+    clock = CLOCKS[options["clock"]]
     kernels = Kernels(torch.device("cpu"), torch.float32)
     rate = kernels.macs / min(fastest(product, clock, 20) for product in kernels.products)
-    said = f"{asked['size']} at {asked['scale']}x{asked['scale']}, {asked['threads']} threads, {asked['layout']}"
-    print(f"{said}, {asked['clock']} clock; matrix product {rate / 1e9:.0f} GMAC/s")
-    with torch.no_grad():  # in inference mode, a convolution would not be seen for what it is
-        for name in asked["model"].split(","):
-            line(name, asked, rate)
+    setting = f"{options['size']} at {options['scale']}x{options['scale']}, {options['threads']} threads"
+    print(f"{setting}, {options['layout']}, {options['clock']} clock; matrix product {rate / 1e9:.0f} GMAC/s")
+    # Not inference mode, which hides convolutions from the recorder.
+    with torch.no_grad():
+        for name in options["model"].split(","):
+            print_model(name, options, rate)
 
 
 if __name__ == "__main__":

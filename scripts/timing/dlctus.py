@@ -1,11 +1,10 @@
-"""DLCTUS as trained against DLCTUS as deployed, with the thesis's two optimisations (Swensen 2021, 4.4.4; its tables 7 and 8).
+"""DLCTUS as trained against its deployed form with two optimisations (Swensen 2021, 4.4.4; its tables 7 and 8).
 
     python scripts/timing/dlctus.py                      one frame of 1920x1080 at 4x4 and at 2x2, one thread
     python scripts/timing/dlctus.py --threads 2 --size 960 540
 
-Both forms run in turn, so that a drift of the machine's speed meets both alike; a ratio is the median over such pairs, with its
-quartiles.
-Speed is measured here, never in a test.
+Both forms alternate, so that a drift of the machine's speed affects both equally; a ratio is the median over such
+pairs, with its quartiles. Tests never assert speed.
 """
 
 import argparse
@@ -45,7 +44,7 @@ def milliseconds(work: Work) -> float:
 
 
 def pairs(model: DLCTUS, deployed: DLCTUSForInference, frame: Frame, state: Tensor) -> dict[str, tuple[Work, Work]]:
-    """Parts of one frame in both forms. The reprojection is the same code in both, and is in "whole frame" alone."""
+    """Return the parts of one frame in both forms; the reprojection, equal in both, is only part of "whole frame"."""
     samples, jitter = model.samples(frame)
     aligned, history = model.prepare(frame, state)
     size = (aligned.shape[-2], aligned.shape[-1])
@@ -78,10 +77,7 @@ def pairs(model: DLCTUS, deployed: DLCTUSForInference, frame: Frame, state: Tens
     return {
         "writing the network's input": (write, write_blocks),
         "first convolution": (lambda: model.network.down(whole), lambda: deployed.down(blocks)),
-        "both, optimisation 2": (
-            lambda: model.network.down(write()),
-            lambda: deployed.down(write_blocks()),
-        ),
+        "both, optimisation 2": (lambda: model.network.down(write()), lambda: deployed.down(write_blocks())),
         "residual blocks": (residual, residual),
         "output construction, optimisation 1": (construct, construct_from_view),
         "whole frame": (lambda: model(frame, state), lambda: deployed(frame, state)),
@@ -100,8 +96,8 @@ def report(scale: int, width: int, height: int, repeats: int) -> None:
     )
     state, deployed = torch.rand(1, 4, height, width), model.for_inference()
     difference = (model(frame, state)[1] - deployed(frame, state)[1]).abs().max().item()
-    print(f"\n{scale}x{scale} to {width}x{height}, {torch.get_num_threads()} threads, {repeats} pairs; "
-          f"largest difference {difference:.1e}")  # fmt: skip
+    setting = f"{scale}x{scale} to {width}x{height}, {torch.get_num_threads()} threads, {repeats} pairs"
+    print(f"\n{setting}; largest difference {difference:.1e}")
     print(f"{'':36s}{'plain ms':>18s}{'deployed ms':>18s}{'ratio':>20s}")
     for name, (plain, rewritten) in pairs(model, deployed, frame, state).items():
         plain(), rewritten()
@@ -114,7 +110,7 @@ def report(scale: int, width: int, height: int, repeats: int) -> None:
 
 
 def spread(times: list[float]) -> float:
-    """Half of what lies between the quartiles."""
+    """Return half of the interquartile range."""
     low, _, high = statistics.quantiles(times, n=4)
     return 0.5 * (high - low)
 
@@ -125,8 +121,8 @@ if __name__ == "__main__":
     parser.add_argument("--size", type=int, nargs=2, default=(1920, 1080), metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--scale", type=int, nargs="+", default=(4, 2))
     parser.add_argument("--repeats", type=int, default=9)
-    asked = parser.parse_args()
-    torch.set_num_threads(asked.threads)
+    options = parser.parse_args()
+    torch.set_num_threads(options.threads)
     with torch.no_grad():
-        for factor in asked.scale:
-            report(factor, *asked.size, asked.repeats)
+        for factor in options.scale:
+            report(factor, *options.size, options.repeats)

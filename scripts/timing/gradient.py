@@ -1,9 +1,9 @@
-"""The gradient of bicubic reprojection: ours against PyTorch's, and a training step with each.
+"""The gradient of bicubic reprojection: this package against PyTorch, and a training step with each.
 
     python scripts/timing/gradient.py
     python scripts/timing/gradient.py loss.theta=0.5    any overrides of train.py
 
-Speed is measured here, never in a test.
+Tests never assert speed.
 """
 
 import os
@@ -32,7 +32,7 @@ from supersampling.training.module import unroll  # noqa: E402
 REPEATS = 15
 
 
-def theirs(image: Tensor, grid: Tensor) -> Tensor:
+def torch_grid_sample(image: Tensor, grid: Tensor) -> Tensor:
     return F.grid_sample(image, grid, mode="bicubic", padding_mode="border", align_corners=False)
 
 
@@ -57,23 +57,24 @@ def main(overrides: list[str]) -> None:
     grid = torch.rand(batch, side, side, 2) * 2.2 - 1.1
     grad = torch.rand_like(image)
     model, loss = instantiate(cfg.model), instantiate(cfg.loss)
-    kept, low = cfg.budget.counted + loss.previous, side // scale
+    outputs, low = cfg.budget.counted + loss.previous, side // scale
     clip = {
         "color": torch.rand(batch, frames, 3, low, low),
         "depth": torch.rand(batch, frames, 1, low, low),
         "motion": torch.randn(batch, frames, 2, low, low) * 0.01,
         "jitter": torch.rand(batch, frames, 2) - 0.5,
     }
-    target = torch.rand(batch, kept, 3, side, side)
+    target = torch.rand(batch, outputs, 3, side, side)
 
     def step() -> None:
-        loss(unroll(model, clip, kept), target, {"motion": clip["motion"][:, -kept:]}).backward()
+        loss(unroll(model, clip, outputs), target, {"motion": clip["motion"][:, -outputs:]}).backward()
 
     print(f"batch {batch}, {frames} frames, crops of {side} pixels, {cfg.threads} threads")
-    for name, sample in (("PyTorch's", theirs), ("ours", bicubic_grid_sample)):
-        derive = partial(torch.autograd.grad, sample(image, grid), image, grad, retain_graph=True)
+    for name, sample in (("PyTorch", torch_grid_sample), ("package", bicubic_grid_sample)):
+        compute_gradient = partial(torch.autograd.grad, sample(image, grid), image, grad, retain_graph=True)
         with patch.object(interpolate, "bicubic_grid_sample", sample):
-            print(f"{name:10s} gradient {milliseconds(derive):6.2f} ms   training step {milliseconds(step):6.1f} ms")
+            gradient, training = milliseconds(compute_gradient), milliseconds(step)
+            print(f"{name:10s} gradient {gradient:6.2f} ms   training step {training:6.1f} ms")
 
 
 if __name__ == "__main__":

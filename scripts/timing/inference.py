@@ -1,14 +1,15 @@
-"""DLCTUS on every backend against the thesis's listing typed as it stands (``listing.py``), in turn, in one process.
+"""DLCTUS on every backend against the thesis's listing (``listing.py``), alternating in one process.
 
     python scripts/timing/inference.py                                      1920x1080 at 4x4, two threads
     python scripts/timing/inference.py --backends native eager --repeats 31 --scale 2
-    python scripts/timing/inference.py --threads 1 --clock cpu              on a machine that others use, too
+    python scripts/timing/inference.py --threads 1 --clock cpu              on a shared machine
 
-The backends are PyTorch's operations (``eager`` as trained, ``deployed`` with the thesis's two rewrites, ``channels_last`` and
-``compile`` the latter in that layout and compiled), the exported graph under ``onnxruntime`` and ``openvino``, and ``native``,
-C++ passes. All have the same weights and roll over the same clip, each with a state of its own. A ratio is the median over rounds
-of listing over backend, with its quartiles; ``apart`` is the largest difference of an image from the listing's over the clip,
-``error`` that from the listing in float64: the first line's is the listing's own rounding.
+The backends are PyTorch's operations (``eager`` as trained, ``deployed`` with the thesis's two rewrites,
+``channels_last`` and ``compile`` the deployed form in that layout and compiled), the exported graph under
+``onnxruntime`` and ``openvino``, and ``native``, C++ passes. All have the same weights and process the same clip, each
+with its own state. A ratio is the median over rounds of listing over backend, with its quartiles; ``apart`` is the
+largest difference of an image from the listing's over the clip, ``error`` that from the listing in float64: in the
+first line it is the listing's rounding error.
 """
 
 import argparse
@@ -49,68 +50,60 @@ Step = Callable[[int, Any], tuple[Tensor, Any]]  # (frame, state) -> (image, sta
 
 
 def dlctus(scale: int) -> DLCTUS:
-    """Seeded weights. The balanced start, so that most outputs lie inside of the clamp, as a trained network's do."""
+    """Build DLCTUS with seeded weights, balanced so that most outputs lie within the clamp, as after training."""
     torch.manual_seed(0)
-    return DLCTUS(
-        scale,
-        Bicubic9(),
-        NoDilation(),
-        JitterAligned(),
-        AccumulationBuffer(),
-        StraightThrough(),
-        Balanced(),
-    ).eval()
+    stages = (Bicubic9(), NoDilation(), JitterAligned(), AccumulationBuffer(), StraightThrough(), Balanced())
+    return DLCTUS(scale, *stages).eval()
 
 
-def clip(frames: int, h: int, w: int) -> list[Frame]:
-    """A texture that moves, in places out of the image, with 5% of noise; nothing stands still."""
+def moving_texture(frames: int, h: int, w: int) -> list[Frame]:
+    """Return a texture with 5% of noise that moves everywhere, in places out of the image."""
     generator = torch.Generator().manual_seed(0)
     y, x = torch.meshgrid(torch.linspace(0, 1, h), torch.linspace(0, 1, w), indexing="ij")
-    made = []
+    clip = []
     for t in range(frames):
         motion = torch.stack((0.004 * torch.sin(6 * x + t) + 0.006, 0.005 * torch.cos(5 * y - t) + 0.002))[None]
         waves = [torch.sin(k * 40 * (x + 0.006 * t) + 31 * y * (k + 1) + k) for k in range(3)]
         noise = 0.05 * torch.rand(1, 3, h, w, generator=generator)
         color = 0.475 + 0.45 * torch.stack(waves)[None] + noise
         depth = torch.rand(1, 1, h, w, generator=generator)
-        made.append(Frame(color, None, depth, motion, None, torch.rand(1, 2, generator=generator) - 0.5))
-    return made
+        jitter = torch.rand(1, 2, generator=generator) - 0.5
+        clip.append(Frame(color=color, depth=depth, motion=motion, jitter=jitter))
+    return clip
 
 
-def load(model: DLCTUS) -> MasterNet:
+def load_listing(model: DLCTUS) -> MasterNet:
     net = MasterNet(model.scale)
-    named = {"down.0": model.network.down}
+    convolutions = {"down.0": model.network.down}
     for k, block in enumerate(model.network.blocks, 1):
-        named |= {f"cnn{k}.{place}": block[place] for place in (0, 2)}  # type: ignore[index]
-    weights = {f"{name}.{key}": value for name, conv in named.items() for key, value in conv.state_dict().items()}
+        convolutions |= {f"cnn{k}.{index}": block[index] for index in (0, 2)}  # type: ignore[index]
+    weights = {
+        f"{name}.{key}": value for name, conv in convolutions.items() for key, value in conv.state_dict().items()
+    }
     net.load_state_dict(weights | {"zero_up.w": net.zero_up.w})
     return net.eval()
 
 
-def inputs_of_listing(frame: Frame, dtype: torch.dtype) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-    """Positions in place of motion, rounded once, and jitter in [0, 1): made beforehand, not timed."""
-    assert frame.color is not None
-    assert frame.depth is not None
-    assert frame.motion is not None
-    assert frame.jitter is not None
-    h, w = frame.color.shape[-2:]
+def listing_inputs(frame: Frame, dtype: torch.dtype) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+    """Return the inputs of the listing, untimed: positions instead of motion, rounded once; jitter in [0, 1)."""
+    color, depth, motion, jitter = frame.need("color", "depth", "motion", "jitter")
+    h, w = color.shape[-2:]
     x, y = ((2.0 * torch.arange(n, dtype=torch.float64) + 1.0) / n - 1.0 for n in (w, h))
     centres = torch.stack((x.expand(h, w), y[:, None].expand(h, w)), dim=-1)
-    positions = centres + 2.0 * frame.motion.permute(0, 2, 3, 1).double()
-    return (
-        frame.color.to(dtype), frame.depth.to(dtype), positions.to(dtype), frame.jitter.to(dtype) + 0.5
-    )  # fmt: skip
+    positions = centres + 2.0 * motion.permute(0, 2, 3, 1).double()
+    return color.to(dtype), depth.to(dtype), positions.to(dtype), jitter.to(dtype) + 0.5
 
 
 def listing(model: DLCTUS, frames: Sequence[Frame], dtype: torch.dtype = torch.float32) -> Step:
-    net, given = load(model).to(dtype), [inputs_of_listing(frame, dtype) for frame in frames]
+    net, inputs = load_listing(model).to(dtype), [listing_inputs(frame, dtype) for frame in frames]
     if dtype == torch.float32:
-        return lambda t, state: net(*given[t], state)
+        return lambda t, state: net(*inputs[t], state)
 
     def step(t: int, state: Any) -> tuple[Tensor, Any]:
-        torch.set_default_dtype(dtype)  # the listing names none
+        # The listing creates tensors without a dtype.
+        torch.set_default_dtype(dtype)
         try:
-            return net(*given[t], state)  # type: ignore[no-any-return]
+            return net(*inputs[t], state)  # type: ignore[no-any-return]
         finally:
             torch.set_default_dtype(torch.float32)
 
@@ -118,77 +111,76 @@ def listing(model: DLCTUS, frames: Sequence[Frame], dtype: torch.dtype = torch.f
 
 
 def backend(name: str, model: DLCTUS, frames: Sequence[Frame], threads: int, folder: Path) -> Step:
-    """Raises `UserError` where it does not run."""
-    ours: Upsampler[Tensor] = model
+    """Return the step of a backend; raise `UserError` if it does not run."""
+    method: Upsampler[Tensor] = model
     if name == "native":
-        ours = DLCTUSNative(model)
+        method = DLCTUSNative(model)
     elif name != "eager":
-        ours = model.for_inference()
+        method = model.for_inference()
     if name in ("onnxruntime", "openvino"):
-        return exported(
-            ours, frames, (OnnxRuntime if name == "onnxruntime" else OpenVINO)(threads=threads), folder / name
-        )
+        runtime = OnnxRuntime if name == "onnxruntime" else OpenVINO
+        return export_step(method, frames, runtime(threads=threads), folder / name)
     if name == "channels_last":
-        ours = ours.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
-    run: Any = torch.compile(ours) if name == "compile" else ours
+        method = method.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
+    run: Any = torch.compile(method) if name == "compile" else method
     return lambda t, state: run(frames[t], state)
 
 
-def exported(model: Upsampler, frames: Sequence[Frame], runtime: Runtime, folder: Path) -> Step:
-    assert frames[0].color is not None
-    h, w = frames[0].color.shape[-2:]
+def export_step(model: Upsampler, frames: Sequence[Frame], runtime: Runtime, folder: Path) -> Step:
+    h, w = frames[0].need("color").shape[-2:]
     with torch.inference_mode(False), torch.no_grad():
         graphs = export(copy.deepcopy(model), (w, h))
     folder.mkdir()
     graphs.other.save(str(folder / "next.onnx"))
     graphs.first.save(str(folder / "first.onnx"))
     (folder / "next.json").write_text(json.dumps(describe(model, graphs, ("first.onnx", "next.onnx"), {}, {})))
-    runner, given = Runner(folder / "next.onnx", runtime), [arrays(frame) for frame in frames]
-    return lambda t, state: (torch.from_numpy(runner(given[t])), None)  # the runner keeps the state
+    runner, inputs = Runner(folder / "next.onnx", runtime), [arrays(frame) for frame in frames]
+    # The runner keeps the state.
+    return lambda t, state: (torch.from_numpy(runner(inputs[t])), None)
 
 
 def differences(steps: dict[str, Step], exact: Step, frames: int) -> dict[str, tuple[float, float, Any]]:
-    """Of each: from the listing, from the exact one, and the state after the clip."""
+    """Return by name the differences from the listing and from the exact step, and the state after the clip."""
     states: dict[str, Any] = dict.fromkeys(steps)
     apart, error = dict.fromkeys(steps, 0.0), dict.fromkeys(steps, 0.0)
     state = None
     for t in range(frames):
-        true, state = exact(t, state)
+        reference, state = exact(t, state)
         first = None
         for name, step in steps.items():
             image, states[name] = step(t, states[name])
             first = image.clone() if first is None else first
             apart[name] = max(apart[name], float((image - first).abs().max()))
-            error[name] = max(error[name], float((image - true).abs().max()))
+            error[name] = max(error[name], float((image - reference).abs().max()))
     return {name: (apart[name], error[name], states[name]) for name in steps}
 
 
-def report(asked: argparse.Namespace, folder: Path) -> None:
-    width, height = asked.size
-    frames = clip(asked.frames, height // asked.scale, width // asked.scale)
-    model, clock = dlctus(asked.scale), CLOCKS[asked.clock]
+def report(options: argparse.Namespace, folder: Path) -> None:
+    width, height = options.size
+    frames = moving_texture(options.frames, height // options.scale, width // options.scale)
+    model, clock = dlctus(options.scale), CLOCKS[options.clock]
     steps = {"listing": listing(model, frames)}
-    for name in asked.backends:
+    for name in options.backends:
         try:
-            steps[name] = backend(name, model, frames, asked.threads, folder)
+            steps[name] = backend(name, model, frames, options.threads, folder)
         except (UserError, ImportError) as error:
             steps.pop(name, None)
             print(f"{name} does not run: {error}")
-    found = differences(steps, listing(model, frames, torch.float64), asked.frames)
+    results = differences(steps, listing(model, frames, torch.float64), options.frames)
     seconds: dict[str, list[float]] = {name: [] for name in steps}
-    for k in range(asked.repeats):
+    for k in range(options.repeats):
         for name, step in steps.items():
             start = clock()
-            step(k % asked.frames, found[name][2])
+            step(k % options.frames, results[name][2])
             seconds[name].append(clock() - start)
-    print(
-        f"{asked.scale}x{asked.scale} to {width}x{height}, {asked.threads} threads, {asked.repeats} rounds, {asked.clock} clock"
-    )
+    setting = f"{options.scale}x{options.scale} to {width}x{height}, {options.threads} threads"
+    print(f"{setting}, {options.repeats} rounds, {options.clock} clock")
     print(f"{'':16s}{'median ms':>10s}{'fastest':>9s}{'times as fast':>26s}{'apart':>10s}{'error':>10s}")
     for name, times in seconds.items():
         low, middle, high = np.quantile(np.divide(seconds["listing"], times), (0.25, 0.5, 0.75))
-        print(f"{name:16s}{1e3 * np.median(times):10.1f}{1e3 * min(times):9.1f}"
-              f"{middle:14.2f} ({low:.2f}-{high:.2f}){found[name][0]:10.1e}{found[name][1]:10.1e}")  # fmt: skip
+        apart, error, _ = results[name]
+        ratio = f"{middle:14.2f} ({low:.2f}-{high:.2f})"
+        print(f"{name:16s}{1e3 * np.median(times):10.1f}{1e3 * min(times):9.1f}{ratio}{apart:10.1e}{error:10.1e}")
 
 
 if __name__ == "__main__":
@@ -196,11 +188,11 @@ if __name__ == "__main__":
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--size", type=int, nargs=2, default=(1920, 1080), metavar=("WIDTH", "HEIGHT"))
     parser.add_argument("--scale", type=int, default=4)
-    parser.add_argument("--frames", type=int, default=8, help="of the clip that differences are taken over")
+    parser.add_argument("--frames", type=int, default=8, help="length of the clip for the differences")
     parser.add_argument("--repeats", type=int, default=15)
-    parser.add_argument("--clock", choices=CLOCKS, default="wall", help="cpu: the process's own, one thread")
+    parser.add_argument("--clock", choices=CLOCKS, default="wall", help="cpu: processor time, for one thread")
     parser.add_argument("--backends", nargs="+", choices=BACKENDS, default=BACKENDS)
-    chosen = parser.parse_args()
-    torch.set_num_threads(chosen.threads)
-    with tempfile.TemporaryDirectory() as made, torch.inference_mode():
-        report(chosen, Path(made))
+    options = parser.parse_args()
+    torch.set_num_threads(options.threads)
+    with tempfile.TemporaryDirectory() as folder, torch.inference_mode():
+        report(options, Path(folder))

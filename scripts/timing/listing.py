@@ -1,7 +1,7 @@
-"""The thesis's PyTorch listing (Swensen 2021, appendix A.1), line by line, as a reader would type it: what `inference.py` times.
+"""The thesis's PyTorch listing (Swensen 2021, appendix A.1), line by line, for `inference.py` to time.
 
-Changed is only what the listing needs to run here: nothing names ``cuda``, the caller's motion is not written into, and depth
-comes linear from the data.
+The only changes are those needed to run it here: ``cuda`` is removed, the caller's motion is not modified, and depth is
+linear.
 """
 
 import torch
@@ -57,8 +57,9 @@ def residual() -> nn.Sequential:
 
 
 class MasterNet(nn.Module):
-    """``forward(frame (N, 3, h, w), depth (N, 1, h, w), mv (N, h, w, 2), jitter (N, 2), history) -> (colour, history)``.
+    """The listing's network.
 
+    ``forward(frame (N, 3, h, w), depth (N, 1, h, w), mv (N, h, w, 2), jitter (N, 2), history) -> (colour, history)``;
     ``mv`` are normalised positions in the previous image, ``jitter`` lies in [0, 1).
     """
 

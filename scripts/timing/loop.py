@@ -1,9 +1,9 @@
-"""What training spends besides computing: waiting for data, the loop's own overhead, start-up.
+"""Time of training besides computing: waiting for data, overhead of the loop, start-up.
 
     python scripts/timing/loop.py                 the default data and budget
     python scripts/timing/loop.py scene=atrium    any overrides of train.py
 
-Prints medians over steps, for as many processor threads as train.py would use. Speed is measured here, never in a test.
+Prints medians over steps, for as many processor threads as train.py would use. Tests never assert speed.
 """
 
 import os
@@ -43,12 +43,12 @@ def batches(cfg: DictConfig, files: dict, workers: int):
 
 
 def bare_loop(cfg: DictConfig, loader) -> tuple[list[float], list[float]]:
-    """Seconds of computing and of waiting for each step of the shortest loop that trains."""
+    """Return the seconds of computing and of waiting for each step of a minimal training loop."""
     L.seed_everything(0, verbose=False)
     model, loss = instantiate(cfg.model), instantiate(cfg.loss)
     optimizer = instantiate(cfg.optimizer)(model.parameters())
     scheduler = instantiate(cfg.budget.scheduler)(optimizer)
-    kept = cfg.budget.counted + loss.previous
+    outputs = cfg.budget.counted + loss.previous
     computing, waiting = [], []
     iterator = iter(loader)
     for _ in range(STEPS + WARM_UP):
@@ -56,7 +56,7 @@ def bare_loop(cfg: DictConfig, loader) -> tuple[list[float], list[float]]:
         clip = next(iterator)
         ready = time.perf_counter()
         optimizer.zero_grad()
-        loss(unroll(model, clip, kept), clip["target"], {"motion": clip["motion"][:, -kept:]}).backward()
+        loss(unroll(model, clip, outputs), clip["target"], {"motion": clip["motion"][:, -outputs:]}).backward()
         optimizer.step()
         scheduler.step()
         computing.append(time.perf_counter() - ready)
@@ -65,7 +65,7 @@ def bare_loop(cfg: DictConfig, loader) -> tuple[list[float], list[float]]:
 
 
 class StepTimes(L.Callback):
-    """Seconds from one batch's start to the next one's."""
+    """Recorder of the times at which batches start."""
 
     def __init__(self) -> None:
         self.starts: list[float] = []
@@ -75,21 +75,27 @@ class StepTimes(L.Callback):
 
 
 def lightning_loop(cfg: DictConfig, loaders) -> list[float]:
-    """Seconds of each whole step of the project's loop on the same batches."""
+    """Return the seconds of each step of the package's training loop on the same batches."""
     L.seed_everything(0, verbose=False)
     model, loss = instantiate(cfg.model), instantiate(cfg.loss)
     module = Training(model, loss, instantiate(cfg.optimizer), instantiate(cfg.budget.scheduler), cfg.budget.counted)
     times = StepTimes()
     trainer = L.Trainer(
-        max_epochs=1, limit_val_batches=0, logger=False, enable_checkpointing=False, callbacks=[times],
-        enable_model_summary=False, enable_progress_bar=True, accelerator=cfg.trainer.accelerator,
-    )  # fmt: skip
+        max_epochs=1,
+        limit_val_batches=0,
+        logger=False,
+        enable_checkpointing=False,
+        callbacks=[times],
+        enable_model_summary=False,
+        enable_progress_bar=True,
+        accelerator=cfg.trainer.accelerator,
+    )
     trainer.fit(module, train_dataloaders=loaders.train_dataloader())
     return [b - a for a, b in zip(times.starts[WARM_UP:], times.starts[WARM_UP + 1 :])]
 
 
 def help_seconds() -> float:
-    """Median wall time of ``python train.py --help``."""
+    """Return the median wall time of ``python train.py --help``."""
     times = []
     for _ in range(5):
         start = time.perf_counter()
@@ -102,25 +108,26 @@ def measure(cfg: DictConfig) -> None:
     torch.set_num_threads(cfg.threads)
     source = instantiate(cfg.data)
     files = source.files(SPLITS, fitting_buffers(cfg))
-    print(
-        f"{cfg.threads} threads, {cfg.workers} loading processes, batch {cfg.budget.batch} of {cfg.budget.frames} frames"
-    )
-    alone = list(batches(cfg, files, workers=0).train_dataloader())
-    computing, _ = bare_loop(cfg, alone)
+    batch = f"batch {cfg.budget.batch} of {cfg.budget.frames} frames"
+    print(f"{cfg.threads} threads, {cfg.workers} loading processes, {batch}")
+    in_memory = list(batches(cfg, files, workers=0).train_dataloader())
+    computing, _ = bare_loop(cfg, in_memory)
     step = statistics.median(computing)
     _, waiting = bare_loop(cfg, batches(cfg, files, workers=cfg.workers).train_dataloader())
-    print(f"bare loop, batches in memory      {1e3 * step:8.1f} ms a step")
-    print(f"waiting for the loader            {1e3 * statistics.mean(waiting):8.1f} ms a step "
-          f"({100 * statistics.mean(waiting) / step:.2f}%, mean)")  # fmt: skip
-    # In turn, so that a drift of the machine's speed meets both alike.
-    bare, ours = [], []
+    wait = statistics.mean(waiting)
+    print(f"bare loop, batches in memory      {1e3 * step:8.1f} ms per step")
+    print(f"waiting for the loader            {1e3 * wait:8.1f} ms per step ({100 * wait / step:.2f}%, mean)")
+    # Alternate, so that a drift of the machine's speed affects both equally.
+    bare, full = [], []
     for _ in range(3):
-        bare += bare_loop(cfg, alone)[0]
+        bare += bare_loop(cfg, in_memory)[0]
         loaders = batches(cfg, files, workers=0)
-        loaders.train_dataloader = lambda: DataLoader(alone, batch_size=None)  # type: ignore[method-assign]
-        ours += lightning_loop(cfg, loaders)
-    overhead = statistics.median(ours) / statistics.median(bare) - 1.0
-    print(f"train.py's loop, the same batches {1e3 * statistics.median(ours):8.1f} ms a step ({100 * overhead:+.1f}%)")
+        loaders.train_dataloader = lambda: DataLoader(in_memory, batch_size=None)  # type: ignore[method-assign]
+        full += lightning_loop(cfg, loaders)
+    overhead = statistics.median(full) / statistics.median(bare) - 1.0
+    print(
+        f"train.py's loop, the same batches {1e3 * statistics.median(full):8.1f} ms per step ({100 * overhead:+.1f}%)"
+    )
     print(f"python train.py --help            {help_seconds():8.2f} s")
 
 

@@ -1,9 +1,9 @@
-"""Seconds a clip of each metric, and peak memory at that clip and at half of it, each in a process of its own.
+"""Seconds per clip of each metric, and peak memory for the clip and for half of it, each in a separate process.
 
     python scripts/timing/metrics.py                                      all, 60 frames at 1080p, two threads: hours
     python scripts/timing/metrics.py psnr vmaf size=480x270 frames=16 threads=1
 
-Memory is that of the process and its children at their peaks; the row `nothing` is what Python and the frames take.
+Memory is the peak of the process and its children; the row `nothing` is that of Python and the frames.
 """
 
 import multiprocessing
@@ -52,14 +52,14 @@ METRICS: dict[str, Callable[[], Metric | VideoMetric]] = {
 
 
 def clip(width: int, height: int, frames: int) -> Iterator[Moment]:
-    """A noisy pan by two pixels a frame, made as it is read; three quarters of it rest, by its motion."""
-    wide = torch.rand(1, 3, height, width + 512)
+    """Yield a noisy pan by two pixels per frame, generated lazily; by its motion, three quarters of it are static."""
+    panorama = torch.rand(1, 3, height, width + 512)
     motion = torch.zeros(1, 2, height // 4, width // 4)
     motion[:, 0, : height // 16] = 2 / width
     previous = None
     for t in range(frames):
-        place = 2 * (t % 256)
-        target = wide[..., place : place + width].contiguous()
+        x = 2 * (t % 256)
+        target = panorama[..., x : x + width].contiguous()
         output = (target + 0.02 * torch.rand_like(target)).clamp_(0.0, 1.0)
         yield Moment(
             output=output,
@@ -73,7 +73,7 @@ def clip(width: int, height: int, frames: int) -> Iterator[Moment]:
 
 
 class _Frames(Scoring):
-    """A frame's metric, timed as a clip's."""
+    """A frame metric, timed as a clip metric."""
 
     def __init__(self, metric: Metric) -> None:
         self._metric = metric
@@ -86,7 +86,7 @@ class _Frames(Scoring):
 
 
 def run(scoring: Scoring, moments: Iterator[Moment]) -> float:
-    """Seconds in the metric, without the frames' making."""
+    """Return the seconds spent in the metric, without generating the frames."""
     seconds = 0.0
     with scoring:
         for moment in moments:
@@ -99,7 +99,7 @@ def run(scoring: Scoring, moments: Iterator[Moment]) -> float:
 
 
 def measure(name: str, width: int, height: int, frames: int, threads: int) -> tuple[float, float] | str:
-    """Seconds and MiB, or why there are none."""
+    """Return seconds and MiB, or the reason why the metric does not run."""
     torch.set_num_threads(threads)
     try:
         metric = METRICS[name]()
@@ -108,7 +108,7 @@ def measure(name: str, width: int, height: int, frames: int, threads: int) -> tu
     scoring = metric.begin() if isinstance(metric, VideoMetric) else _Frames(metric)
     with torch.inference_mode():
         seconds = run(scoring, clip(width, height, frames))
-    peak = sum(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    peak = sum(resource.getrusage(process).ru_maxrss for process in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return seconds, peak / 1024
 
 
@@ -123,11 +123,11 @@ def main(arguments: list[str]) -> None:
         for count in (frames // 2, frames):
             with Pool(1, context=multiprocessing.get_context("spawn")) as pool:
                 rows.append(pool.apply(measure, (name, width, height, count, threads)))
-        half, whole = rows
-        if isinstance(half, str) or isinstance(whole, str):
-            print(f"| {name} | {whole} | | |", flush=True)
+        half, full = rows
+        if isinstance(half, str) or isinstance(full, str):
+            print(f"| {name} | {full} | | |", flush=True)
         else:
-            print(f"| {name} | {whole[0]:.1f} | {half[1]:.0f} | {whole[1]:.0f} |", flush=True)
+            print(f"| {name} | {full[0]:.1f} | {half[1]:.0f} | {full[1]:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

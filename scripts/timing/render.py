@@ -1,6 +1,6 @@
-"""Seconds a frame of every product that the renderer makes, by scene.
+"""Seconds per frame of everything that the renderer produces, by scene.
 
-python scripts/timing/render.py [SCENE ...]      default: the built-in scenes, and the tracks that are installed
+python scripts/timing/render.py [SCENE ...]      default: the built-in scenes and the installed tracks
 """
 
 import statistics
@@ -20,7 +20,7 @@ USUAL = frozenset({"color", "depth", "motion"})
 
 
 def median_seconds(work: Callable[[int], object]) -> float:
-    """Median over frames; the first one, which may build caches, is left out."""
+    """Return the median over frames without the first, which may build caches."""
     times = []
     for k in range(1, FRAMES + 1):
         start = time.perf_counter()
@@ -39,14 +39,14 @@ def measure(name: str) -> None:
         return Shot(path.cameras[k], path.cameras[k - 1], path.seconds[k], path.seconds[k - 1], window)
 
     with Renderer(scene) as renderer:
-        whole, part = Window(1920, 1080, 0, 0, 1920, 1080), Window(1920, 1080, 832, 412, 256, 256)
+        image, crop = Window(1920, 1080, 0, 0, 1920, 1080), Window(1920, 1080, 832, 412, 256, 256)
         products = {
-            "64x64 input of a window": lambda k: renderer.low(shot(k, part), 4, (0.1, -0.2), -2.0, USUAL),
-            "64x64 motion alone": lambda k: renderer.low(shot(k, part), 4, (0.1, -0.2), -2.0, frozenset({"motion"})),
-            "256x256 target, 16 samples": lambda k: renderer.target(shot(k, part), 4, 0.0),
-            "256x256 target, 64 samples": lambda k: renderer.target(shot(k, part), 8, 0.0),
-            "480x270 input": lambda k: renderer.low(shot(k, whole), 4, (0.1, -0.2), -2.0, USUAL),
-            "1920x1080 target, 16 samples": lambda k: renderer.target(shot(k, whole), 4, 0.0),
+            "64x64 input of a window": lambda k: renderer.low(shot(k, crop), 4, (0.1, -0.2), -2.0, USUAL),
+            "64x64 motion only": lambda k: renderer.low(shot(k, crop), 4, (0.1, -0.2), -2.0, frozenset({"motion"})),
+            "256x256 target, 16 samples": lambda k: renderer.target(shot(k, crop), 4, 0.0),
+            "256x256 target, 64 samples": lambda k: renderer.target(shot(k, crop), 8, 0.0),
+            "480x270 input": lambda k: renderer.low(shot(k, image), 4, (0.1, -0.2), -2.0, USUAL),
+            "1920x1080 target, 16 samples": lambda k: renderer.target(shot(k, image), 4, 0.0),
         }
         triangles = sum(len(scene.meshes[m].triangles) for o in scene.objects for m in o.meshes)
         print(f"{name}: {triangles} triangles, loaded in {loaded:.1f} s, {renderer.gl_renderer}")

@@ -217,7 +217,7 @@ def test_raft_s_missing_weights_are_named(monkeypatch, tmp_path):
 def test_mistakes_with_raft():
     with pytest.raises(UserError, match=r"flow\.network=vgg16 .*raft_large or raft_small"):
         RAFT("vgg16", "IMAGENET1K_V1", 12)
-    with pytest.raises(UserError, match="no weights C_T_SKHT_V2 of raft_small: use one of C_T_V1, C_T_V2"):
+    with pytest.raises(UserError, match="Unknown weights C_T_SKHT_V2 of torchvision.s raft_small: use one of C_T_V1, C_T_V2"):
         RAFT("raft_small", "C_T_SKHT_V2", 12)
     with pytest.raises(UserError, match=r"flow\.updates must be 1 or more, got 0"):
         RAFT("raft_small", "C_T_V2", 0)
