@@ -47,3 +47,16 @@ def test_a_repaired_frame_is_finite_and_keeps_what_was():
     assert mended.jitter[0].tolist() == [0.0, pytest.approx(0.1)]
     assert mended.high_depth is bad
     assert mended.high_normal is None
+
+
+def test_need_returns_tensors_in_order_and_names_missing_buffers():
+    color, depth = torch.zeros(1, 3, 2, 2), torch.ones(1, 1, 2, 2)
+    frame = Frame(color=color, depth=depth)
+    assert frame.need("depth") is depth
+    first, second = frame.need("depth", "color")
+    assert first is depth
+    assert second is color
+    with pytest.raises(ValueError, match="no motion, jitter: add the missing buffers"):
+        frame.need("color", "motion", "jitter")
+    with pytest.raises(AttributeError):
+        frame.need("colour")

@@ -11,7 +11,7 @@ normal, object id) one sample at the pixel's centre.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Literal
+from typing import Literal, overload
 
 import torch
 from torch import Tensor
@@ -157,6 +157,24 @@ class Frame:
         length = length_of(clip)
         late = {f.name: t - (length - clip[f.name].shape[1]) for f in fields(cls) if f.name in clip}
         return cls(**{name: clip[name][:, k] for name, k in late.items() if k >= 0})
+
+    @overload
+    def need(self, name: str, /) -> Tensor: ...
+
+    @overload
+    def need(self, first: str, second: str, /, *rest: str) -> tuple[Tensor, ...]: ...
+
+    def need(self, *names: str) -> Tensor | tuple[Tensor, ...]:
+        """Return the named buffers in order, or the tensor itself for a single name.
+
+        Raises:
+            ValueError: buffers are missing, which `requires` of the model that reads them should have prevented.
+        """
+        buffers = [getattr(self, name) for name in names]
+        missing = [name for name, values in zip(names, buffers) if values is None]
+        if missing:
+            raise ValueError(f"The frame has no {', '.join(missing)}: add the missing buffers to the model's requires.")
+        return buffers[0] if len(buffers) == 1 else tuple(buffers)
 
     def repaired(self) -> "Frame":
         """This frame with the low-resolution buffers and the jitter finite; those that were keep every bit.

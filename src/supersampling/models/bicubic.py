@@ -21,6 +21,5 @@ class Bicubic(Upsampler[None]):
         self.scale = check_scale(scale)
 
     def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        assert frame.color is not None
-        output = F.interpolate(frame.color, scale_factor=self.scale, mode="bicubic", align_corners=False)
+        output = F.interpolate(frame.need("color"), scale_factor=self.scale, mode="bicubic", align_corners=False)
         return output.clamp(0.0, 1.0), None

@@ -84,22 +84,18 @@ class Blending(Upsampler[Tensor], ABC):
 
     def samples(self, frame: Frame) -> tuple[Tensor, Tensor]:
         """What is zero-upsampled (4.1.1): colour and depth ``(B, 4, h, w)``, and their jitter ``(B, 2)``."""
-        assert frame.color is not None
-        assert frame.depth is not None
-        assert frame.jitter is not None
-        return torch.cat((frame.color, frame.depth), dim=1), frame.jitter
+        color, depth, jitter = frame.need("color", "depth", "jitter")
+        return torch.cat((color, depth), dim=1), jitter
 
     def prepare(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
         """The jitter-aligned input and the reprojected, padded history (4.1.1, 4.1.2): ``(B, C, H, W)`` both."""
-        assert frame.color is not None
-        assert frame.jitter is not None
-        assert frame.motion is not None
+        color, jitter, motion = frame.need("color", "jitter", "motion")
         # Interpolated ones are ones, so the buffer's channel is appended afterwards.
-        aligned = self.accumulate.append(jitter_aligned_upsample(frame.color, frame.jitter, self.scale))
+        aligned = self.accumulate.append(jitter_aligned_upsample(color, jitter, self.scale))
         if state is None:
             return aligned, aligned
         height, width = aligned.shape[-2:]
-        motion = upsample_motion(self.dilate(frame.motion, frame.depth), (height, width))
+        motion = upsample_motion(self.dilate(motion, frame.depth), (height, width))
         return aligned, self.pad(self.reproject(state, motion), aligned, motion)
 
     def construct(self, aligned: Tensor, history: Tensor, predicted: Tensor) -> Tensor:

@@ -67,16 +67,13 @@ class DLCTUSNative(Upsampler[Tensor]):
 
     @torch.no_grad()
     def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
-        assert frame.color is not None
-        assert frame.depth is not None
-        assert frame.motion is not None
-        assert frame.jitter is not None
-        self._check(frame.color, state)
-        x_jitter, y_jitter = frame.jitter[0].tolist()
+        color, depth, motion, jitter = frame.need("color", "depth", "motion", "jitter")
+        self._check(color, state)
+        x_jitter, y_jitter = jitter[0].tolist()
         inputs = native.Inputs(
-            frame.color.contiguous(),
-            frame.depth.contiguous(),
-            self.dilate(frame.motion, frame.depth).contiguous(),
+            color.contiguous(),
+            depth.contiguous(),
+            self.dilate(motion, depth).contiguous(),
             (x_jitter, y_jitter),
             self.scale,
             self.a,
@@ -85,7 +82,7 @@ class DLCTUSNative(Upsampler[Tensor]):
             # A history that is not finite somewhere is begun anew: the passes carry it on as it is.
             state = state.contiguous(memory_format=torch.channels_last) if state.sum().isfinite() else None
         blocks = native.prepare(inputs, state)
-        x = native.linear(blocks, self._weights(frame.jitter), self.bias[0])
+        x = native.linear(blocks, self._weights(jitter), self.bias[0])
         inner = torch.empty_like(x)
         for k in range(0, len(self.points), 2):
             native.convolve(x, self.points[k], self.bias[k + 1], None, inner)

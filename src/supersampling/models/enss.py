@@ -116,10 +116,7 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
             self.requires |= flow.requires
 
     def forward(self, frame: Frame, state: tuple[Tensor, ...] | None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        color, depth, jitter = frame.color, frame.depth, frame.jitter
-        assert color is not None
-        assert depth is not None
-        assert jitter is not None
+        color, depth, jitter = frame.need("color", "depth", "jitter")
         planes = jitter[..., None, None].expand(-1, -1, *color.shape[-2:])
         inputs = [color, depth, planes]
         previous = None
@@ -137,15 +134,13 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
 
     def _previous(self, frame: Frame, state: tuple[Tensor, ...] | None) -> Tensor:
         """The warping module (section 4.1): the history brought to this frame, ``(B, carried, H, W)``."""
-        assert frame.color is not None
-        assert frame.jitter is not None
-        assert frame.depth is not None
+        color, depth, jitter = frame.need("color", "depth", "jitter")
         if state is None:
-            return self.history.start(jitter_aligned_upsample(frame.color, frame.jitter, self.scale))
+            return self.history.start(jitter_aligned_upsample(color, jitter, self.scale))
         carried, *memory = state
         motion = self.flow(frame, tuple(memory))
         if motion is not None:
-            carried = self.reproject(carried, self.motion_grid(motion, frame.depth, self.scale))
+            carried = self.reproject(carried, self.motion_grid(motion, depth, self.scale))
         # What is not finite would stay so through every blend.
         return torch.nan_to_num(carried, 0.0, 0.0, 0.0)
 

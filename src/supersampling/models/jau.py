@@ -20,7 +20,6 @@ class JAU(Upsampler[None]):
         self.scale = check_scale(scale)
 
     def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        assert frame.color is not None
-        assert frame.jitter is not None, "JAU reads jitter: see its requires"
+        color, jitter = frame.need("color", "jitter")
         # Interpolation of values in [0, 1] may leave it by a rounding step.
-        return jitter_aligned_upsample(frame.color, frame.jitter, self.scale).clamp(0.0, 1.0), None
+        return jitter_aligned_upsample(color, jitter, self.scale).clamp(0.0, 1.0), None

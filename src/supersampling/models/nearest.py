@@ -20,5 +20,4 @@ class Nearest(Upsampler[None]):
         self.scale = check_scale(scale)
 
     def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        assert frame.color is not None
-        return repeat_upsample(frame.color, self.scale), None
+        return repeat_upsample(frame.need("color"), self.scale), None

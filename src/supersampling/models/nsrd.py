@@ -114,11 +114,8 @@ class NSRD(Upsampler[History]):
         return torch.cat(features.chunk(self.previous), dim=1)
 
     def forward(self, frame: Frame, state: History | None) -> tuple[Tensor, History]:
-        assert frame.depth is not None
-        assert frame.normal is not None
-        assert frame.motion is not None
         light = self.demodulate(frame)
-        current = self.locate.append(torch.cat((light, frame.depth, frame.normal), dim=1), frame)
+        current = self.locate.append(torch.cat((light, *frame.need("depth", "normal")), dim=1), frame)
         vectors = self.motion_mask.vectors(frame)
         if state is None:
             # Copies: an exporter takes tensors that are one at tracing time for one ever after.

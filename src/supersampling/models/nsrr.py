@@ -90,9 +90,8 @@ class PreviousFrames(Previous):
         self.channels = (previous + 1) * extract.channels
 
     def forward(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> tuple[Tensor, State]:
-        assert frame.jitter is not None
         window, state = self._see(samples, frame, state)
-        past = self.warp_at.leave(window, frame.jitter, self.scale, self.upsample)
+        past = self.warp_at.leave(window, frame.need("jitter"), self.scale, self.upsample)
         past = self.reweight(current, past.unflatten(1, (self.previous, -1)))
         return torch.cat((current, past.flatten(1, 2)), dim=1), state
 
@@ -101,15 +100,14 @@ class PreviousFrames(Previous):
 
     def _see(self, samples: Tensor, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         """The window as seen from this frame, and the state that has this frame in front."""
-        assert frame.motion is not None
-        assert frame.jitter is not None
-        newest = self.warp_at.enter(self.extract(samples), frame.jitter, self.scale, self.upsample)
+        motion, jitter = frame.need("motion", "jitter")
+        newest = self.warp_at.enter(self.extract(samples), jitter, self.scale, self.upsample)
         if state is None:
             window = newest.repeat(1, self.previous, 1, 1)
         else:
-            window = self.warp_at(state, frame.motion, frame.jitter)
+            window = self.warp_at(state, motion, jitter)
         kept = torch.cat((newest, window[:, : (self.previous - 1) * newest.shape[1]]), dim=1)
-        return window, self.warp_at.keep(kept, frame.jitter)
+        return window, self.warp_at.keep(kept, jitter)
 
 
 @final
@@ -179,17 +177,15 @@ class NSRR(Upsampler[State]):
         return self.previous_frames.advance(self._samples(frame), frame, state)
 
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]:
-        assert frame.jitter is not None
         samples = self._samples(frame)
-        current = self.upsample(self.extract(samples), frame.jitter, self.scale)
+        current = self.upsample(self.extract(samples), frame.need("jitter"), self.scale)
         features, state = self.previous_frames(current, samples, frame, state)
         return self.base(self.reconstruct(features), samples[:, :3], frame), state
 
     def _samples(self, frame: Frame) -> Tensor:
         """What is known of this frame, ``(B, 4 + guides, h, w)``: colour, depth, guides."""
-        assert frame.depth is not None
         color = self.colour_space.of_rgb(self.demodulate(frame))
-        return self.guides(torch.cat((color, frame.depth), dim=1), frame)
+        return self.guides(torch.cat((color, frame.need("depth")), dim=1), frame)
 
 
 def _glorot(module: nn.Module) -> None:

@@ -56,17 +56,15 @@ class TUS(Upsampler[Tensor]):
         self.requires = frozenset({"color", "jitter", "motion"}) | dilate.requires
 
     def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
-        assert frame.color is not None
-        assert frame.jitter is not None
-        assert frame.motion is not None
-        aligned = jitter_aligned_upsample(frame.color, frame.jitter, self.scale)
+        color, jitter, motion = frame.need("color", "jitter", "motion")
+        aligned = jitter_aligned_upsample(color, jitter, self.scale)
         if state is None:
             history = aligned
         else:
             height, width = aligned.shape[-2:]
-            motion = upsample_motion(self.dilate(frame.motion, frame.depth), (height, width))
+            motion = upsample_motion(self.dilate(motion, frame.depth), (height, width))
             history = self.pad(self.reproject(state, motion), aligned, motion)
-        history = self.rectify(history, frame.color)
-        samples, beta = gaussian_upsample(frame.color, frame.jitter, self.scale, self.sigma)
+        history = self.rectify(history, color)
+        samples, beta = gaussian_upsample(color, jitter, self.scale, self.sigma)
         output = torch.lerp(history, samples, self.alpha * beta).clamp(0.0, 1.0)  # eq 39
         return output, output

@@ -42,6 +42,5 @@ class JitterAlignedBase(Base):
     requires = frozenset({"jitter"})
 
     def forward(self, predicted: Tensor, light: Tensor, frame: Frame) -> Tensor:
-        assert frame.jitter is not None
         scale = predicted.shape[-1] // light.shape[-1]
-        return predicted + jitter_aligned_upsample(light, frame.jitter, scale)
+        return predicted + jitter_aligned_upsample(light, frame.need("jitter"), scale)

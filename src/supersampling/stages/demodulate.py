@@ -47,8 +47,7 @@ class DisplayColour(Demodulate):
     compares = frozenset({"target"})
 
     def forward(self, frame: Frame) -> Tensor:
-        assert frame.color is not None
-        return frame.color
+        return frame.need("color")
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         return clip["target"]
@@ -71,10 +70,7 @@ class Demodulated(Demodulate):
     compares = frozenset({"target_radiance", "high_material", "high_emission"})
 
     def forward(self, frame: Frame) -> Tensor:
-        assert frame.radiance is not None
-        assert frame.material is not None
-        assert frame.emission is not None
-        return demodulate(frame.radiance, frame.material, frame.emission)
+        return demodulate(*frame.need("radiance", "material", "emission"))
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         return demodulate(clip["target_radiance"], clip["high_material"], clip["high_emission"])
@@ -83,9 +79,7 @@ class Demodulated(Demodulate):
         return displayed(self.radiance(output, frame))
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor:
-        assert frame.high_material is not None
-        assert frame.high_emission is not None
-        return remodulate(output.clamp(min=0.0), frame.high_material, frame.high_emission)
+        return remodulate(output.clamp(min=0.0), *frame.need("high_material", "high_emission"))
 
 
 @final
@@ -126,8 +120,7 @@ class Radiance(Demodulate):
     compares = frozenset({"target_radiance"})
 
     def forward(self, frame: Frame) -> Tensor:
-        assert frame.radiance is not None
-        return frame.radiance
+        return frame.need("radiance")
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         return clip["target_radiance"]

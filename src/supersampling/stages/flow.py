@@ -65,13 +65,11 @@ class JitteredMotionVectors(Flow):
     requires = frozenset({"motion", "jitter"})
 
     def remember(self, frame: Frame) -> tuple[Tensor, ...]:
-        assert frame.jitter is not None
-        return (frame.jitter,)
+        return (frame.need("jitter"),)
 
     def forward(self, frame: Frame, memory: tuple[Tensor, ...]) -> Tensor | None:
-        assert frame.motion is not None
-        assert frame.jitter is not None
-        return compensate_jitter(frame.motion, frame.jitter, *memory)
+        motion, jitter = frame.need("motion", "jitter")
+        return compensate_jitter(motion, jitter, *memory)
 
 
 class Estimated(Flow):
@@ -83,18 +81,15 @@ class Estimated(Flow):
     requires = frozenset({"color", "jitter"})
 
     def remember(self, frame: Frame) -> tuple[Tensor, ...]:
-        assert frame.color is not None
-        assert frame.jitter is not None
-        return frame.color, frame.jitter
+        return frame.need("color", "jitter")
 
     @torch.no_grad()
     def forward(self, frame: Frame, memory: tuple[Tensor, ...]) -> Tensor | None:
-        assert frame.color is not None
-        assert frame.jitter is not None
-        before, previous_jitter = memory
-        _, _, h, w = frame.color.shape
-        pixels = self.estimate(frame.color, before)
-        return compensate_jitter(pixels / pixels.new_tensor((w, h)).view(2, 1, 1), frame.jitter, previous_jitter)
+        color, jitter = frame.need("color", "jitter")
+        previous_color, previous_jitter = memory
+        _, _, h, w = color.shape
+        pixels = self.estimate(color, previous_color)
+        return compensate_jitter(pixels / pixels.new_tensor((w, h)).view(2, 1, 1), jitter, previous_jitter)
 
     @abstractmethod
     def estimate(self, now: Tensor, before: Tensor) -> Tensor:

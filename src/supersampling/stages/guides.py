@@ -65,4 +65,4 @@ class GBuffers(Guides):
         self.requires = frozenset(self.names)
 
     def forward(self, samples: Tensor, frame: Frame) -> Tensor:
-        return torch.cat((samples, *(getattr(frame, name) for name in self.names)), dim=1)
+        return torch.cat((samples, *(frame.need(name) for name in self.names)), dim=1)

@@ -84,22 +84,18 @@ class LocatedByJitter(Locate):
     requires = frozenset({"jitter"})
 
     def remember(self, frame: Frame) -> tuple[Tensor, ...]:
-        assert frame.jitter is not None
-        return (frame.jitter,)
+        return (frame.need("jitter"),)
 
     def append(self, inputs: Tensor, frame: Frame) -> Tensor:
-        assert frame.jitter is not None
-        planes = frame.jitter[..., None, None].expand(-1, -1, *inputs.shape[-2:])
+        planes = frame.need("jitter")[..., None, None].expand(-1, -1, *inputs.shape[-2:])
         return torch.cat((inputs, planes), dim=1)
 
     def between_samples(self, vectors: Tensor, frame: Frame, memory: tuple[Tensor, ...]) -> Tensor:
-        assert frame.jitter is not None
         if not memory:
             return vectors
         _, count, h, w = vectors.shape
-        shift = jitter_as_motion(frame.jitter - memory[0], h, w)
+        shift = jitter_as_motion(frame.need("jitter") - memory[0], h, w)
         return vectors + F.pad(shift, (0, 0, 0, 0, 0, count - 2))
 
     def at_target(self, motion: Tensor, frame: Frame, scale: int) -> Tensor:
-        assert frame.jitter is not None
-        return jitter_aligned_upsample(motion, frame.jitter, scale)
+        return jitter_aligned_upsample(motion, frame.need("jitter"), scale)

@@ -48,9 +48,8 @@ class DualMotionMask(MotionMask):
         self.threshold = threshold
 
     def vectors(self, frame: Frame) -> Tensor:
-        assert frame.motion is not None
-        assert frame.motion_dual is not None
-        return torch.cat((frame.motion, frame.motion_dual - frame.motion), dim=1)
+        motion, dual = frame.need("motion", "motion_dual")
+        return torch.cat((motion, dual - motion), dim=1)
 
     def forward(self, warped: Tensor, vectors: Tensor) -> Tensor:
         _, _, h, w = vectors.shape
@@ -68,8 +67,7 @@ class NoMotionMask(MotionMask):
     requires = frozenset({"motion"})
 
     def vectors(self, frame: Frame) -> Tensor:
-        assert frame.motion is not None
-        return frame.motion
+        return frame.need("motion")
 
     def forward(self, warped: Tensor, vectors: Tensor) -> Tensor:
         return warped
