@@ -15,6 +15,7 @@ from supersampling.ops.resample import check_scale, jitter_aligned_upsample, ups
 from supersampling.stages.accumulate import Accumulate
 from supersampling.stages.confine import Confine
 from supersampling.stages.dilate import Dilate
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 from supersampling.stages.initialise import Initialise
 from supersampling.stages.pad import Pad
 from supersampling.stages.reproject import Reproject
@@ -110,6 +111,16 @@ class Blending(Upsampler[Tensor], ABC):
         return self.accumulate.pictured(state)
 
 
+def _bias_of_o1(model: "DLCTUS") -> Tensor | None:
+    bias = model.network.output_layers()[-1].bias
+    return None if bias is None else bias[: STRIDE**2]
+
+
+def _bias_of_o2(model: "DLCTUS") -> Tensor | None:
+    bias = model.network.output_layers()[-1].bias
+    return None if bias is None else bias[STRIDE**2 :]
+
+
 @final
 class DLCTUS(Blending):
     """Network-controlled blending of reprojected history and jitter-aligned input.
@@ -121,6 +132,15 @@ class DLCTUS(Blending):
         reproject, dilate, pad, accumulate, confine: stages.
         initialise: called once on the new network.
     """
+
+    extremes = (
+        Gate("gate/o1 0", "DLCTUS: nothing of the input is blended in.", bias_at(SHUT, _bias_of_o1)),
+        Gate("gate/o1 1", "DLCTUS: nothing of the history is kept.", bias_at(OPEN, _bias_of_o1)),
+        Gate("gate/accumulation 0", "DLCTUS: o2 is 0, the accumulation buffer is emptied.", bias_at(SHUT, _bias_of_o2)),
+        Gate(
+            "gate/accumulation 1", "DLCTUS: o2 is 1, the accumulation buffer never decays.", bias_at(OPEN, _bias_of_o2)
+        ),
+    )
 
     def __init__(
         self,

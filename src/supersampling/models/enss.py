@@ -14,6 +14,7 @@ from supersampling.models.base import Upsampler
 from supersampling.ops.resample import check_scale, jitter_aligned_upsample
 from supersampling.stages.confine import Confine
 from supersampling.stages.flow import Flow
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 from supersampling.stages.history import History
 from supersampling.stages.kernel_prediction import KernelPrediction, convolve
 from supersampling.stages.motion_grid import MotionGrid
@@ -87,6 +88,14 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
         kernel_prediction: makes the stage from the kernels that the first and last convolution start from.
     """
 
+    extremes = (
+        Gate("gate/mask 0", "ENSS: the candidate is not used.", bias_at(SHUT, lambda m: m.bias_of("mask"))),
+        Gate("gate/mask 1", "ENSS: the previous output is not used.", bias_at(OPEN, lambda m: m.bias_of("mask"))),
+        Gate(
+            "gate/feature 1", "ENSS: the recurrent feature at its bound.", bias_at(OPEN, lambda m: m.bias_of("feature"))
+        ),
+    )
+
     def __init__(
         self,
         scale: int,
@@ -109,7 +118,7 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
         self.flow, self.motion_grid, self.reproject = flow, motion_grid, reproject
         self.history, self.confine = history, confine
         inputs = GUIDES + history.carried * scale**2
-        planes = 3 + history.extra
+        planes = 3 + len(history.extra)
         self.network = Network(inputs, features, depth, scale**2, planes, kernel_prediction)
         self.requires = frozenset({"color", "depth", "jitter"})
         if history.carried:
@@ -143,6 +152,13 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
             carried = self.reproject(carried, self.motion_grid(motion, depth, self.scale))
         # What is not finite would stay so through every blend.
         return torch.nan_to_num(carried, 0.0, 0.0, 0.0)
+
+    def bias_of(self, plane: str) -> Tensor | None:
+        """Return the part of the network's last bias that ``plane`` of `History.extra` has, ``(scale**2,)``, or None."""
+        if plane not in self.history.extra:
+            return None
+        block, first = self.scale**2, 3 + self.history.extra.index(plane)
+        return self.network.last_bias[first * block : (first + 1) * block]
 
     def with_precomputed_kernels(self, jitters: Tensor) -> "ENSS":
         """A copy for inference, whose kernels are made beforehand for a jitter sequence ``(N, 2)`` (section 4.2), without the

@@ -17,6 +17,7 @@ from supersampling.ops.resample import check_scale
 from supersampling.ops.warp import warp
 from supersampling.stages.base import Base
 from supersampling.stages.demodulate import Demodulate
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 from supersampling.stages.locate import Locate
 from supersampling.stages.motion_mask import MotionMask
 from supersampling.stages.recur import MakeRecur
@@ -72,6 +73,11 @@ class NSRD(Upsampler[History]):
         recur: makes the recurrent stage.
         locate, base: stages that the paper does not have: jitter, and a connection past the network.
     """
+
+    extremes = (
+        Gate("gate/gated 0", "NSRD: the gated convolution is shut.", bias_at(SHUT, lambda m: m.gated.gate_bias())),
+        Gate("gate/gated 1", "NSRD: the gated convolution is open.", bias_at(OPEN, lambda m: m.gated.gate_bias())),
+    )
 
     def __init__(
         self,

@@ -172,8 +172,7 @@ class NSRR(Upsampler[State]):
     def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
         return self.demodulate.radiance(self.colour_space.to_rgb(output), frame)
 
-    def advance(self, frame: Frame, state: State | None) -> State:
-        frame = frame.repaired()
+    def forward_state(self, frame: Frame, state: State | None) -> State:
         return self.previous_frames.advance(self._samples(frame), frame, state)
 
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]:

@@ -15,6 +15,7 @@ from supersampling.ops.resample import (
     upsample_motion,
 )
 from supersampling.stages.dilate import Dilate
+from supersampling.stages.gate import Gate, setting_at
 from supersampling.stages.pad import Pad
 from supersampling.stages.rectify import Rectify
 from supersampling.stages.reproject import Reproject
@@ -34,6 +35,13 @@ class TUS(Upsampler[Tensor]):
         alpha: blending factor in [0, 1] (eq 39).
         reproject, rectify, dilate, pad: stages.
     """
+
+    extremes = (
+        Gate("gate/alpha 0", "TUS: no sample is blended in.", setting_at(0.0, "alpha")),
+        Gate("gate/alpha 1", "TUS: a sample at a target pixel replaces it.", setting_at(1.0, "alpha")),
+        Gate("gate/sigma 1e-3", "TUS: a kernel whose every weight underflows.", setting_at(1e-3, "sigma")),
+        Gate("gate/sigma 1e3", "TUS: a kernel as wide as the image.", setting_at(1e3, "sigma")),
+    )
 
     def __init__(
         self,

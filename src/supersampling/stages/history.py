@@ -19,7 +19,7 @@ class History(nn.Module, ABC):
     """
 
     carried: int
-    extra: int
+    extra: tuple[str, ...]
 
     def start(self, color: Tensor) -> Tensor:
         """The history before the first frame, of its upsampled ``color (B, 3, H, W)``: that colour, features 0."""
@@ -31,7 +31,7 @@ class History(nn.Module, ABC):
 
         Args:
             candidate: colour ``(B, 3, H, W)`` in [0, 1].
-            extra: ``(B, extra, H, W)``, unbounded.
+            extra: ``(B, len(self.extra), H, W)``, unbounded.
             previous: the history brought to this frame ``(B, carried, H, W)``; None where ``carried`` is 0.
         """
 
@@ -41,7 +41,7 @@ class Blended(History):
     """The candidate blended with the previous output by a mask (eq 3), and one feature channel."""
 
     carried = 4
-    extra = 2
+    extra = ("mask", "feature")
 
     def forward(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> tuple[Tensor, Tensor]:
         assert previous is not None
@@ -57,7 +57,7 @@ class Unblended(History):
     row "(-) blending" of table 3."""
 
     carried = 4
-    extra = 1
+    extra = ("feature",)
 
     def forward(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> tuple[Tensor, Tensor]:
         return candidate, torch.cat((candidate, extra.tanh()), dim=1)
@@ -68,7 +68,7 @@ class NoHistory(History):
     """Nothing is kept: the network sees one frame and predicts colour alone: the row "(-) multiple frames" of table 3."""
 
     carried = 0
-    extra = 0
+    extra = ()
 
     def forward(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> tuple[Tensor, Tensor]:
         return candidate, candidate[:, :0]

@@ -8,6 +8,7 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 from supersampling.ops.warp import warp
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 
 FEATURES = 32  # of the previous output (supplement, 4.2)
 
@@ -53,6 +54,12 @@ class ConvLSTM(nn.Module):
         return show.sigmoid() * cell.tanh(), cell
 
 
+def _bias_of_gates(stage: "Recurrent") -> Tensor | None:
+    """Return the bias of the gates write, keep and show, ``(3 * width,)``, without that of the value."""
+    bias = stage.lstm.gates.bias
+    return None if bias is None else bias[: 3 * stage.width]
+
+
 @final
 class Recurrent(Recur):
     """The previous output and a ConvLSTM's state.
@@ -65,6 +72,11 @@ class Recurrent(Recur):
         width: of the ConvLSTM's state.
         scale: ``s``.
     """
+
+    extremes = (
+        Gate("gate/cell keeps all", "NSRD: the cell adds up and never forgets.", bias_at(OPEN, _bias_of_gates)),
+        Gate("gate/cell keeps nothing", "NSRD: all gates of the cell are shut.", bias_at(SHUT, _bias_of_gates)),
+    )
 
     def __init__(self, *, channels: int, width: int, scale: int) -> None:
         super().__init__()

@@ -7,6 +7,7 @@ import torch
 from torch import Tensor, nn
 
 from supersampling.errors import UserError
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 
 RGBD = 4
 
@@ -28,6 +29,15 @@ class LearnedWeights(Reweight):
     Three convolutions 3x3, 32-32-previous, over colour and depth of all frames; ReLU twice (the text names no activation), then
     tanh, mapped from (-1, 1) to (0, limit). 13,314 parameters with 2 previous frames, 16,196 with 4.
     """
+
+    extremes = (
+        Gate("reweight/0", "NSRR: previous frames have weight 0.", bias_at(SHUT, lambda m: m.network[-2].bias)),
+        Gate(
+            "reweight/limit",
+            "NSRR: previous frames have the largest weight, 10.",
+            bias_at(OPEN, lambda m: m.network[-2].bias),
+        ),
+    )
 
     def __init__(self, previous: int, width: int = 32, limit: float = 10.0) -> None:
         super().__init__()

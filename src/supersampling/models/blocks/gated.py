@@ -17,3 +17,8 @@ class GatedConvolution(nn.Module):
     def forward(self, x: Tensor) -> Tensor:
         features, gate = self.both(x).chunk(2, dim=1)
         return F.leaky_relu(features, 0.2) * gate.sigmoid()
+
+    def gate_bias(self) -> Tensor | None:
+        """Return the gates' half of the bias, ``(width,)``."""
+        bias = self.both.bias
+        return None if bias is None else bias[bias.numel() // 2 :]
