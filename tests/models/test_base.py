@@ -1,4 +1,4 @@
-"""The interface of all methods: no caller gets past the repair of a frame."""
+"""The interface of all methods: every frame is repaired before a model reads it."""
 
 import pytest
 import torch
@@ -19,7 +19,7 @@ class ReadsOnly(Upsampler):
 
 
 class SkipsOutput(ReadsOnly):
-    """The same with a state of its own step."""
+    """A model whose state is computed without its output."""
 
     def forward(self, frame, state):
         raise AssertionError("The output is not needed.")

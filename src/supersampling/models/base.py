@@ -33,7 +33,7 @@ class Upsampler(nn.Module, ABC, Generic[State]):
     extremes: tuple[Gate, ...] = ()
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
-        """Return what outputs are compared with in training, ``(B, T, 3, H, W)``, from a clip's ``compares`` buffers."""
+        """Return what outputs are compared with in training, ``(B, T, 3, H, W)``, from ``compares`` buffers."""
         return clip["target"]
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
@@ -41,10 +41,10 @@ class Upsampler(nn.Module, ABC, Generic[State]):
         return output
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
-        """Return the linear radiance ``(B, 3, H, W)`` of an output; None for a method that knows display colours only."""
+        """Return the linear radiance ``(B, 3, H, W)`` of an output; None if only display colours are known."""
         return None
 
-    def pictured(self, state: State) -> Mapping[str, Tensor]:
+    def state_images(self, state: State) -> Mapping[str, Tensor]:
         """Return the parts of a state that are worth looking at: images ``(B, 1, H, W)`` in [0, 1], by name."""
         return {}
 

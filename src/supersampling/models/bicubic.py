@@ -1,4 +1,4 @@
-"""Bicubic upsampling of the current frame alone."""
+"""Bicubic upsampling of the current frame only."""
 
 from typing import final
 
@@ -12,7 +12,7 @@ from supersampling.ops.resample import check_scale
 
 @final
 class Bicubic(Upsampler[None]):
-    """PyTorch's bicubic interpolation (``a = -0.75``), blind to jitter."""
+    """PyTorch's bicubic interpolation (``a = -0.75``), which ignores jitter."""
 
     requires = frozenset({"color"})
 

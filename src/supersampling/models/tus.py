@@ -1,4 +1,4 @@
-"""TUS: temporal upsampling by hand-written rules (Swensen 2021, 2.4.3 to 2.4.6 and 5.3.1)."""
+"""TUS: temporal upsampling by hand-crafted rules (Swensen 2021, 2.4.3 to 2.4.6 and 5.3.1)."""
 
 from typing import final
 
@@ -25,13 +25,12 @@ from supersampling.stages.reproject import Reproject
 class TUS(Upsampler[Tensor]):
     """Rectified history blended with Gaussian-reconstructed samples.
 
-    The state is the history ``(B, 3, H, W)``. The thesis uses history clamping, bicubic reprojection, no
-    dilation, ``alpha`` 0.5 for 2x2 and 1.0 for 4x4, and DLCTUS's first frame and padding; it gives no
-    ``sigma``.
+    The state is the history ``(B, 3, H, W)``. The thesis uses history clamping, bicubic reprojection, no dilation,
+    ``alpha`` 0.5 for 2x2 and 1.0 for 4x4, and DLCTUS's first frame and padding; it does not state ``sigma``.
 
     Args:
         scale: ``s``.
-        sigma: standard deviation of the reconstruction kernel in target pixels, above 0 (eq 41).
+        sigma: standard deviation of the reconstruction kernel in target pixels, positive (eq 41).
         alpha: blending factor in [0, 1] (eq 39).
         reproject, rectify, dilate, pad: stages.
     """
@@ -55,9 +54,11 @@ class TUS(Upsampler[Tensor]):
     ) -> None:
         super().__init__()
         if not sigma > 0.0:
-            raise UserError(f"model.sigma must be above 0 target pixels, got {sigma}; 0.8 is the default.")
+            raise UserError(f"Invalid model.sigma={sigma}: use a positive number of target pixels; the default is 0.8.")
         if not 0.0 <= alpha <= 1.0:
-            raise UserError(f"model.alpha must lie in [0, 1], got {alpha}; the thesis has 0.5 for 2x2 and 1.0 for 4x4.")
+            raise UserError(
+                f"Invalid model.alpha={alpha}: use a value in [0, 1]; the thesis has 0.5 at 2x2, 1.0 at 4x4."
+            )
         self.scale = check_scale(scale)
         self.sigma, self.alpha = sigma, alpha
         self.reproject, self.rectify, self.dilate, self.pad = reproject, rectify, dilate, pad
