@@ -97,7 +97,7 @@ def light(stage):
 def kept(stage):
     """The history, which a stage that carries none is not given."""
     if stage.carried:
-        return [(stage, [color(), numbers(stage.extra), color(stage.carried)])]
+        return [(stage, [color(), numbers(len(stage.extra)), color(stage.carried)])]
     return [(lambda candidate: stage(candidate, numbers(0), None), [color()])]
 
 

@@ -129,11 +129,11 @@ def test_all_values_are_kept_in_files(path, tmp_path):
 class Pictured(Bicubic):
     """With a state to look at: the target position's row, of the image's height."""
 
-    def pictured(self, state):
+    def state_images(self, state):
         return {"rows": torch.linspace(0, 1, 48)[None, None, :, None].expand(1, 1, 48, 64)}
 
 
-def test_a_state_is_pictured_where_the_crop_is(path, tmp_path):
+def test_state_images_are_cropped_like_the_output(path, tmp_path):
     evaluate(Pictured(4), Metrics([PSNR()]), Protocol(Continuous()), [path]).write(tmp_path)
     with Image.open(tmp_path / "state" / "0_analytic_rows.png") as picture:
         values = np.asarray(picture)

@@ -18,7 +18,7 @@ SMALL = {"width": 24, "layers": 4}
 
 def enss(scale=2, features=8, depth=1, **stages):
     torch.manual_seed(0)
-    made = {
+    defaults = {
         "flow": MotionVectors(),
         "motion_grid": FrontmostOfBlock(8),
         "reproject": Bilinear(),
@@ -26,7 +26,7 @@ def enss(scale=2, features=8, depth=1, **stages):
         "confine": StraightThrough(),
         "kernel_prediction": partial(FirstAndLast, **SMALL),
     }
-    return ENSS(scale, features, depth, **(made | stages))
+    return ENSS(scale, features, depth, **(defaults | stages))
 
 
 def clip(frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torch.float32):
@@ -40,9 +40,9 @@ def clip(frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torch.float32):
 
 
 def run(model, buffers):
-    given = {name: buffer for name, buffer in buffers.items() if name in model.requires}
+    inputs = {name: buffer for name, buffer in buffers.items() if name in model.requires}
     outputs, state = [], None
-    for t in range(given["color"].shape[1]):
-        output, state = model(Frame.from_clip(given, t), state)
+    for t in range(inputs["color"].shape[1]):
+        output, state = model(Frame.from_clip(inputs, t), state)
         outputs.append(output)
     return torch.stack(outputs, dim=1), state

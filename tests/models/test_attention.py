@@ -6,8 +6,8 @@ from supersampling.models.blocks.attention import (
     ChannelAttention,
     ResidualAttention,
     UShaped,
-    doubled,
-    halved,
+    double,
+    halve,
 )
 from supersampling.models.blocks.gated import GatedConvolution
 
@@ -53,7 +53,7 @@ def test_gradients(block):
 
 
 @pytest.mark.parametrize(("h", "w"), [(1, 1), (1, 7), (2, 3), (3, 2), (5, 6), (8, 8)])
-def test_any_size_goes_through_the_u(h, w):
+def test_u_shape_accepts_any_size(h, w):
     torch.manual_seed(0)
     with torch.no_grad():
         out = UShaped(16)(torch.rand(2, 16, h, w))
@@ -62,11 +62,11 @@ def test_any_size_goes_through_the_u(h, w):
 
 
 def test_pooling_and_upsampling_share_pixel_edges():
-    """A block of two pixels lies where its half-resolution pixel does: a ramp comes back as a ramp, half a step off."""
+    """A block of two pixels covers its half-resolution pixel: a ramp is restored as a ramp, half a step higher."""
     ramp = torch.arange(11.0).view(1, 1, 1, 11)
-    small = halved(ramp)
+    small = halve(ramp)
     assert small.flatten().tolist() == [1.0, 3.0, 5.0, 7.0, 9.0]
-    back = doubled(small, ramp).flatten()
+    back = double(small, ramp).flatten()
     # Between the outermost half-resolution centres; the maximum of each pair is half a step above its mean.
     assert back[1:9].tolist() == (ramp.flatten()[1:9] + 0.5).tolist()
     assert back[[0, 9, 10]].tolist() == [1.0, 9.0, 9.0]

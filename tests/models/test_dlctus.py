@@ -113,7 +113,7 @@ def test_equals_the_thesis_listing_over_a_clip(scale, h, w, confine):
     assert left_the_image > 10
 
 
-def test_parameter_count_is_the_published_network_s():
+def test_parameter_count_of_published_network():
     assert sum(p.numel() for p in dlctus(4).parameters()) == 78_112
 
 
@@ -125,7 +125,7 @@ def test_without_accumulation_only_the_first_layer_shrinks():
 
 
 @pytest.mark.parametrize(("height", "width"), [(1, 1), (6, 9), (15, 4)])
-def test_sizes_that_four_does_not_divide_are_padded_by_repetition(height, width):
+def test_sizes_not_divisible_by_four_are_padded_by_repetition(height, width):
     trunk = Trunk(8)
     x = torch.rand(1, 8, height, width)
     rows = torch.arange(-(-height // 4) * 4).clamp_max(height - 1)

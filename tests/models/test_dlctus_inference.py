@@ -1,4 +1,4 @@
-"""DLCTUS as it is deployed (Swensen 2021, 4.4.4) against the plain form, which is held to the thesis's listing elsewhere."""
+"""DLCTUS as deployed (Swensen 2021, 4.4.4) against the plain form, which `test_dlctus` compares with the listing."""
 
 from pathlib import Path
 
@@ -37,7 +37,7 @@ def build(tmp_path_factory):
 
 
 def clip(h, w, dtype, b=2):
-    """Smooth motion, so that rounding is not what decides which side of the image's border a position is on."""
+    """Return frames of smooth motion, so that no position is within rounding of the image's border."""
     g = torch.Generator().manual_seed(1)
     y, x = torch.meshgrid(torch.arange(h), torch.arange(w), indexing="ij")
     frames = []
@@ -56,7 +56,7 @@ def clip(h, w, dtype, b=2):
 
 @torch.no_grad()
 def largest_difference(plain, frames):
-    """Over a clip on which both carry their own state, of outputs and states."""
+    """Return the largest difference of outputs and states over a clip, on which each form carries its own state."""
     deployed, difference = plain.for_inference(), 0.0
     state = other_state = None
     for frame in frames:
@@ -72,14 +72,14 @@ def largest_difference(plain, frames):
 
 @pytest.mark.parametrize("scale", [2, 3, 4, 5, 6])
 @pytest.mark.parametrize(("h", "w"), [(6, 8), (5, 7), (1, 1), (4, 3)])
-def test_equal_to_rounding_at_every_scale_and_odd_sizes(build, scale, h, w):
+def test_equals_plain_form_at_every_scale_and_odd_sizes(build, scale, h, w):
     plain = build(scale)
     assert largest_difference(plain, clip(h, w, torch.float32)) < 2e-5
     assert largest_difference(plain.double(), clip(h, w, torch.float64)) < 1e-12
 
 
 @pytest.mark.parametrize("override", VARIANTS)
-def test_equal_to_rounding_with_every_stage(build, override):
+def test_equals_plain_form_with_every_stage(build, override):
     plain = build(4, override)
     assert largest_difference(plain, clip(5, 6, torch.float32)) < 2e-5
     assert largest_difference(plain.double(), clip(5, 6, torch.float64)) < 1e-12
@@ -100,7 +100,7 @@ def test_sparse_samples_in_space_to_depth_order(scale, h, w):
             assert torch.equal(blocks[:, :, i % 4, j % 4, i // 4, j // 4], whole[:, :, i, j])
 
 
-def test_the_copy_is_one_and_has_as_many_weights(build):
+def test_copy_is_independent_and_has_as_many_weights(build):
     plain = build(4)
     deployed = plain.for_inference()
     frames = clip(4, 4, torch.float32)
@@ -116,8 +116,8 @@ def test_the_copy_is_one_and_has_as_many_weights(build):
     assert deployed.down.kernel_size == (1, 1)
 
 
-class Seen(TorchDispatchMode):
-    """What is called, with the size of a convolution's kernel."""
+class Calls(TorchDispatchMode):
+    """A record of the called operations, with the size of a convolution's kernel."""
 
     def __init__(self):
         super().__init__()
@@ -129,11 +129,11 @@ class Seen(TorchDispatchMode):
         return func(*args, **(kwargs or {}))
 
 
-def test_neither_a_strided_convolution_nor_a_pixel_shuffle_is_left(build):
+def test_no_strided_convolution_and_no_pixel_shuffle_remain(build):
     frame, *_ = clip(4, 4, torch.float32)
     plain, seen = build(4), {}
     for name, model in (("plain", plain), ("deployed", plain.for_inference())):
-        with torch.no_grad(), Seen() as mode:
+        with torch.no_grad(), Calls() as mode:
             model(frame, torch.rand(2, 4, 16, 16))
         seen[name] = {call for call in mode.calls if call[0] in ("convolution", "pixel_shuffle", "pixel_unshuffle")}
     assert seen["plain"] == {("convolution", 4, 4), ("convolution", 3, 3), ("pixel_shuffle",)}
@@ -160,7 +160,7 @@ def test_exports_to_a_graph(build):
     model = build(4).for_inference().eval()
     frame, *_ = clip(4, 4, torch.float32, b=1)
     state = torch.rand(1, 4, 16, 16)
-    given = (frame.color, frame.depth, frame.motion, frame.jitter, state)
+    inputs = (frame.color, frame.depth, frame.motion, frame.jitter, state)
 
     class Step(torch.nn.Module):
         def __init__(self):
@@ -171,6 +171,6 @@ def test_exports_to_a_graph(build):
             return self.model(Frame(color=color, depth=depth, motion=motion, jitter=jitter), state)
 
     with torch.no_grad():
-        exported = torch.export.export(Step(), given).module()
-        for ours, theirs in zip(exported(*given), model(frame, state), strict=True):
-            torch.testing.assert_close(ours, theirs)
+        exported = torch.export.export(Step(), inputs).module()
+        for actual, expected in zip(exported(*inputs), model(frame, state), strict=True):
+            torch.testing.assert_close(actual, expected)

@@ -1,4 +1,4 @@
-"""DLCTUS in C++ against the plain form, which is held to the thesis's listing elsewhere."""
+"""DLCTUS in C++ against the plain form, which `test_dlctus` compares with the thesis's listing."""
 
 import shutil
 
@@ -19,7 +19,7 @@ from supersampling.stages.reproject import Bicubic9, Bilinear
 pytestmark = pytest.mark.skipif(shutil.which("c++") is None, reason="no C++ compiler")
 
 
-def dlctus(scale=4, **other):
+def dlctus(scale=4, **stages):
     slots = {
         "reproject": Bicubic9(),
         "dilate": NoDilation(),
@@ -29,11 +29,11 @@ def dlctus(scale=4, **other):
         "initialise": Balanced(),
     }
     torch.manual_seed(0)
-    return DLCTUS(scale, **(slots | other))
+    return DLCTUS(scale, **(slots | stages))
 
 
 def clip(h, w, frames=6):
-    """Smooth motion, so that rounding is not what decides which side of the image's border a position is on."""
+    """Yield frames of smooth motion, so that no position is within rounding of the image's border."""
     g = torch.Generator().manual_seed(1)
     y, x = torch.meshgrid(torch.arange(h), torch.arange(w), indexing="ij")
     for t in range(frames):
@@ -58,18 +58,18 @@ def roll(model, frames):
 
 @pytest.mark.parametrize(("scale", "h", "w"), [(4, 5, 7), (4, 1, 1), (4, 3, 60), (2, 6, 10), (1, 8, 12)])
 @pytest.mark.parametrize(
-    "other", [{}, {"dilate": ClosestDepth()}, {"reproject": Bicubic9(-0.5), "confine": StraightThrough()}]
+    "stages", [{}, {"dilate": ClosestDepth()}, {"reproject": Bicubic9(-0.5), "confine": StraightThrough()}]
 )
-def test_equal_to_rounding_over_a_clip(scale, h, w, other):
-    plain = dlctus(scale, **other)
-    expected, found = roll(plain, clip(h, w)), roll(DLCTUSNative(plain), clip(h, w))
-    for a, b in zip(found, expected, strict=True):
+def test_equals_plain_form_over_a_clip(scale, h, w, stages):
+    plain = dlctus(scale, **stages)
+    expected, actual = roll(plain, clip(h, w)), roll(DLCTUSNative(plain), clip(h, w))
+    for a, b in zip(actual, expected, strict=True):
         torch.testing.assert_close(a, b, rtol=0, atol=5e-5)
     assert expected[-1].std() > 0.05
 
 
 @pytest.mark.parametrize("buffer", ["color", "depth", "motion"])
-def test_what_is_not_finite_is_mended_as_in_the_plain_form(buffer):
+def test_values_that_are_not_finite_are_repaired_as_in_the_plain_form(buffer):
     plain = dlctus()
     frames = list(clip(24, 24, 2))
     getattr(frames[1], buffer)[0, 0, 2, 20] = torch.nan
@@ -77,8 +77,8 @@ def test_what_is_not_finite_is_mended_as_in_the_plain_form(buffer):
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_a_history_that_is_not_finite_gives_way(value):
-    """A bad state is as far from poisoning the clip as in the plain form: after the frame it is finite."""
+def test_history_that_is_not_finite_is_dropped(value):
+    """A bad state does not spoil the clip, as in the plain form: after one frame the state is finite."""
     plain = dlctus()
     frames = list(clip(24, 24, 3))
     model = DLCTUSNative(plain)
@@ -92,14 +92,14 @@ def test_a_history_that_is_not_finite_gives_way(value):
 
 
 @pytest.mark.parametrize("value", [float("inf"), -float("inf"), -1e30])
-def test_endless_motion_is_outside(value):
+def test_huge_motion_is_outside_the_image(value):
     plain, states = dlctus(), {}
-    for given in (1e30, value):
+    for motion in (1e30, value):
         frames = list(clip(4, 4, 2))
-        frames[1].motion[...] = given
-        states[given] = roll(DLCTUSNative(plain), frames)[-1]
-        if given == 1e30:
-            torch.testing.assert_close(states[given], roll(plain, frames)[-1], rtol=0, atol=5e-5)
+        frames[1].motion[...] = motion
+        states[motion] = roll(DLCTUSNative(plain), frames)[-1]
+        if motion == 1e30:
+            torch.testing.assert_close(states[motion], roll(plain, frames)[-1], rtol=0, atol=5e-5)
     assert torch.equal(*states.values())
 
 
@@ -111,7 +111,7 @@ def test_a_jitter_out_of_range_reads_inside_the_image(value):
 
 
 @pytest.mark.parametrize(
-    ("other", "named"),
+    ("stages", "name"),
     [
         ({"reproject": Bilinear()}, "Bilinear"),
         ({"pad": Zeros()}, "Zeros"),
@@ -120,12 +120,12 @@ def test_a_jitter_out_of_range_reads_inside_the_image(value):
         ({"scale": 3}, "scale 3"),
     ],
 )
-def test_other_compositions_are_refused(other, named):
-    with pytest.raises(UserError, match=named):
-        DLCTUSNative(dlctus(**other))
+def test_unsupported_compositions_raise(stages, name):
+    with pytest.raises(UserError, match=name):
+        DLCTUSNative(dlctus(**stages))
 
 
-def test_other_inputs_are_refused():
+def test_unsupported_inputs_raise():
     model, (frame,) = DLCTUSNative(dlctus(2)), clip(3, 4, 1)
     with pytest.raises(UserError, match="multiples of 4, not 8x6"):
         model(frame, None)
@@ -137,12 +137,12 @@ def test_other_inputs_are_refused():
         model(double, None)
 
 
-def test_the_number_of_threads_changes_nothing():
+def test_output_does_not_depend_on_the_number_of_threads():
     model, before = DLCTUSNative(dlctus()), torch.get_num_threads()
-    one_and_two = []
+    results = []
     for threads in (1, 2):
         torch.set_num_threads(threads)
-        one_and_two.append(roll(model, clip(24, 70, 3)))
+        results.append(roll(model, clip(24, 70, 3)))
     torch.set_num_threads(before)
-    for a, b in zip(*one_and_two, strict=True):
+    for a, b in zip(*results, strict=True):
         assert torch.equal(a, b)

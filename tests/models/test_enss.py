@@ -1,4 +1,4 @@
-"""ENSS against a plain transcription of Mercier et al. 2023, section 4, and its counts by another way of counting."""
+"""ENSS against a plain transcription of Mercier et al. 2023, section 4, and its counts against an independent count."""
 
 import math
 from pathlib import Path
@@ -17,11 +17,11 @@ from supersampling.stages.kernel_prediction import NoPrediction
 
 CONF = Path(__file__).parents[2] / "conf"
 SIZES = {"s": (16, 1), "m": (32, 3), "l": (64, 5)}  # f, m of section 5
-# The paper, plainly
+# A transcription of the paper
 
 
 def fetch(image, y, x):
-    """Bilinear fetch of ``(C, H, W)`` at a position in pixels, borders repeated."""
+    """Fetch ``(C, H, W)`` bilinearly at a position in pixels, with borders repeated."""
     _, height, width = image.shape
     y, x = min(max(y - 0.5, 0.0), height - 1.0), min(max(x - 0.5, 0.0), width - 1.0)
     i, j = math.floor(y), math.floor(x)
@@ -32,7 +32,7 @@ def fetch(image, y, x):
 
 
 def paper_warp(history, motion, depth, scale):
-    """Section 4.1 for one item: blocks of 8x8, then a bilinear fetch a pixel."""
+    """Warp one item as in section 4.1: blocks of 8x8, then a bilinear fetch per pixel."""
     _, height, width = history.shape
     warped = torch.empty_like(history)
     for y in range(height):
@@ -47,7 +47,7 @@ def paper_warp(history, motion, depth, scale):
 
 
 def paper_step(model, color, depth, motion, jitter, history):
-    """Section 4.2 for one item; ``history`` is (4, H, W) or None."""
+    """Return output and history of one item (section 4.2); ``history`` is (4, H, W) or None."""
     s, (_, h, w) = model.scale, color.shape
     if history is None:
         start = torch.zeros(4, h * s, w * s, dtype=color.dtype)
@@ -84,7 +84,7 @@ def paper_step(model, color, depth, motion, jitter, history):
 
 
 @pytest.mark.parametrize(("scale", "h", "w"), [(2, 6, 5), (3, 3, 4)])
-def test_equals_the_paper_s_steps_over_a_clip(scale, h, w):
+def test_equals_transcription_of_paper_over_a_clip(scale, h, w):
     model, buffers = (
         enss(scale, confine=Clamp()).double(),
         clip(frames=4, h=h, w=w, motion=0.2, dtype=torch.float64),
@@ -95,20 +95,20 @@ def test_equals_the_paper_s_steps_over_a_clip(scale, h, w):
         for n in range(2):
             history = None
             for t in range(4):
-                given = [buffers[name][n, t] for name in ("color", "depth", "motion", "jitter")]
-                expected, history = paper_step(model, *given, history)
+                inputs = [buffers[name][n, t] for name in ("color", "depth", "motion", "jitter")]
+                expected, history = paper_step(model, *inputs, history)
                 torch.testing.assert_close(outputs[n, t], expected, rtol=0, atol=1e-12)
             torch.testing.assert_close(state[0][n], history, rtol=1e-12, atol=1e-12)
 
 
 def test_identities_are_added_to_smaller_random_kernels():
-    """So that input c < 3 reaches all four places of output c; the rest are PyTorch's kernels at 0.3."""
+    """Input c < 3 reaches all four positions of output c; the rest are PyTorch's kernels at 0.3."""
     model = enss(2, features=8, depth=1, kernel_prediction=NoPrediction)
     torch.manual_seed(0)
     drawn = [torch.nn.Conv2d(a, b, 3).weight for a, b in ((22, 8), (8, 8), (8, 20))]
     network = model.network
-    made = [network.kernels.first[0], network.body[0].weight, network.kernels.last[0]]
-    first, middle, last = (a - 0.3 * b for a, b in zip(made, drawn))
+    kernels = [network.kernels.first[0], network.body[0].weight, network.kernels.last[0]]
+    first, middle, last = (a - 0.3 * b for a, b in zip(kernels, drawn))
     for difference in (first, middle):
         expected = torch.zeros_like(difference)
         for c in range(8):
@@ -124,7 +124,7 @@ def test_identities_are_added_to_smaller_random_kernels():
 
 
 def count_by_layers(features, depth, scale, *, with_mlp):
-    """Kernel by kernel, as the text lists them."""
+    """Count the parameters kernel by kernel, as the text lists them."""
     s2 = scale * scale
     inputs = 3 + 1 + 2 + 3 * s2 + s2  # C, D, J, W(Y), W(f)
     outputs = s2 + 3 * s2 + s2  # alpha, candidate, f

@@ -1,4 +1,4 @@
-"""ENSS: what holds for any weights, and deployment."""
+"""ENSS: properties that hold for any weights, and deployment."""
 
 from functools import partial
 
@@ -16,17 +16,17 @@ from supersampling.stages.motion_grid import BilinearMotion, FrontmostOfBlock
 
 
 @pytest.mark.parametrize("grid", [FrontmostOfBlock(8), BilinearMotion()])
-def test_zero_motion_hands_the_history_on_to_the_bit(grid):
+def test_zero_motion_keeps_the_history_bit_for_bit(grid):
     model, buffers = enss(3, motion_grid=grid), clip(motion=0.0)
-    given, state = [], run(model, {k: v[:, :1] for k, v in buffers.items()})[1]
-    model.network.register_forward_pre_hook(lambda _, inputs: given.append(inputs[0]))
+    inputs_of_network, state = [], run(model, {k: v[:, :1] for k, v in buffers.items()})[1]
+    model.network.register_forward_pre_hook(lambda _, inputs: inputs_of_network.append(inputs[0]))
     model(Frame.from_clip(buffers, 1), state)
-    assert torch.equal(given[0][:, 6:], F.pixel_unshuffle(state[0], 3))
+    assert torch.equal(inputs_of_network[0][:, 6:], F.pixel_unshuffle(state[0], 3))
 
 
 @pytest.mark.parametrize("stages", [{}, {"history": Unblended()}, {"motion_grid": BilinearMotion()}])
 def test_a_shift_by_whole_blocks_commutes_away_from_borders(stages):
-    """8 target pixels are 4 low-resolution ones at a scale of 2; every frame lets the border in by 3 + motion."""
+    """8 target pixels are 4 low-resolution ones at a scale of 2; borders reach 3 pixels + motion further per frame."""
     model = enss(2, **stages).double()
     wide = clip(frames=2, b=1, h=40, w=44, motion=0.0, dtype=torch.float64)
     wide["motion"] = wide["motion"] + torch.tensor([1.0 / 80, -1.0 / 80], dtype=torch.float64).view(2, 1, 1)
@@ -66,9 +66,9 @@ def test_precomputed_kernels_give_the_same_output(kernels):
     deployed = model.with_precomputed_kernels(sequence)
     with torch.no_grad():
         expected, outputs = run(model, buffers)[0], run(deployed, buffers)[0]
-        others = run(model.with_precomputed_kernels(sequence.flip(1)), buffers)[0]
+        mismatched = run(model.with_precomputed_kernels(sequence.flip(1)), buffers)[0]
     torch.testing.assert_close(outputs, expected, rtol=0, atol=1e-12)
-    assert (others - expected).abs().max() > 1e-3
+    assert (mismatched - expected).abs().max() > 1e-3
     assert sum(p.numel() for p in model.parameters()) == trained
     assert not any("mlp" in name for name, _ in deployed.named_parameters())
 
@@ -97,9 +97,9 @@ def test_exports_to_a_graph_for_any_batch_size(deployed):
     with torch.no_grad():
         exported = torch.export.export(Step(), inputs(2), dynamic_shapes=(batch,) * 5).module()
         for b in (2, 5):
-            given = inputs(b)
-            for made, expected in zip(exported(*given), Step()(*given)):
-                torch.testing.assert_close(made, expected, rtol=0, atol=1e-5)
+            values = inputs(b)
+            for actual, expected in zip(exported(*values), Step()(*values)):
+                torch.testing.assert_close(actual, expected, rtol=0, atol=1e-5)
 
 
 def test_runs_under_autocast_with_a_history_in_full_precision():
@@ -113,8 +113,8 @@ def test_runs_under_autocast_with_a_history_in_full_precision():
 
 
 @pytest.mark.parametrize(("features", "depth"), [(0, 1), (8, -1)])
-def test_an_impossible_size_is_refused(features, depth):
-    with pytest.raises(UserError, match=f"got {features} and {depth}"):
+def test_invalid_size_raises(features, depth):
+    with pytest.raises(UserError, match=rf"Invalid model\.features={features} with model\.depth={depth}: use"):
         enss(features=features, depth=depth)
 
 

@@ -1,4 +1,4 @@
-"""Every option of every stage of ENSS as the command line makes it; and the recipe."""
+"""Every option of every stage of ENSS from the command line, and the recipe."""
 
 from functools import cache, partial
 from pathlib import Path
@@ -25,7 +25,7 @@ def configured(*overrides):
 
 
 def small(override, scale):
-    """ENSS S with a narrow MLP, and RAFT in short."""
+    """Return ENSS S with a narrow MLP, and with RAFT of a single update."""
     config = configured("model=enss_s", override)
     config.task.scale = scale
     if "width" in config.model.kernel_prediction:
@@ -49,9 +49,9 @@ def clip(frames=3, b=2, h=5, w=6):
 @pytest.mark.parametrize("override", VARIANTS)
 def test_every_variant_composes_and_trains(override):
     model, buffers = small(override, 2), clip()
-    given = {name: buffers[name] for name in model.requires}
-    given["color"].requires_grad_()
-    batch = given | {"target": torch.rand(2, 3, 3, 10, 12)}
+    buffers_of_model = {name: buffers[name] for name in model.requires}
+    buffers_of_model["color"].requires_grad_()
+    batch = buffers_of_model | {"target": torch.rand(2, 3, 3, 10, 12)}
     adam = partial(torch.optim.Adam, lr=1e-3)
     training = Training(model, L1(), adam, partial(torch.optim.lr_scheduler.ConstantLR, factor=1.0), counted=1)
     training.log = lambda *args, **kwargs: None
@@ -62,7 +62,7 @@ def test_every_variant_composes_and_trains(override):
     for parameter in model.parameters():
         assert parameter.grad is not None
         assert parameter.grad.isfinite().all()
-    reached = given["color"].grad[:, 0].abs().max() > 0
+    reached = buffers_of_model["color"].grad[:, 0].abs().max() > 0
     assert reached == ("history=none" not in override)
     optimizer.step()
     assert any(not torch.equal(a, b) for a, b in zip(before, model.parameters()))
@@ -81,8 +81,8 @@ def test_any_size_in_range_and_items_do_not_mix(override, scale, h, w):
     torch.testing.assert_close(alone[0], outputs[1], rtol=0, atol=1e-5)
 
 
-def test_the_recipe_is_the_paper_s():
-    """Section 5, typed a second time."""
+def test_recipe_of_paper():
+    """Section 5, transcribed independently."""
     cfg, laptop = configured("experiment=enss"), configured("experiment=enss", "budget=laptop")
     assert (cfg.budget.batch, cfg.budget.frames, cfg.budget.crop) == (8, 16, 264)
     assert cfg.budget.epochs * cfg.budget.steps == 500_000

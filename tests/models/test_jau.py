@@ -28,7 +28,7 @@ def test_each_item_of_a_batch_has_its_own_jitter():
     torch.testing.assert_close(output[..., 2:-2], expected[..., 2:-2])
 
 
-def test_bicubic_does_not_look_at_jitter_and_stays_in_range():
+def test_bicubic_ignores_jitter_and_stays_in_range():
     step = torch.zeros(1, 3, 4, 8)
     step[..., 4:] = 1.0
     output, state = Bicubic(4)(Frame(color=step), None)
@@ -42,6 +42,6 @@ def test_bicubic_does_not_look_at_jitter_and_stays_in_range():
 
 
 @pytest.mark.parametrize("model", [JAU, Bicubic])
-def test_a_scale_of_nothing_is_refused(model):
+def test_scale_of_zero_raises(model):
     with pytest.raises(UserError, match="scale"):
         model(0)

@@ -2,7 +2,7 @@
 
 import math
 
-import nsrd_plainly
+import nsrd_transcription
 import pytest
 import torch
 from torch.utils.flop_counter import FlopCounterMode
@@ -60,10 +60,10 @@ def clip(frames=3, b=2, h=5, w=6, seed=0, motion=0.1, dtype=torch.float32):
 
 
 def run(model, buffers):
-    given = {name: values for name, values in buffers.items() if name in model.requires}
+    inputs = {name: values for name, values in buffers.items() if name in model.requires}
     outputs, state = [], None
     for t in range(buffers["radiance"].shape[1]):
-        output, state = model(Frame.from_clip(given, t), state)
+        output, state = model(Frame.from_clip(inputs, t), state)
         outputs.append(output)
     return torch.stack(outputs, dim=1)
 
@@ -80,11 +80,11 @@ BLOCK = 2 * conv(64, 64) + conv(64, 4, 1) + conv(4, 64, 1)
 U_SHAPED = 13 * BLOCK + 2 * conv(128, 64) + conv(64, 32)
 
 
-def test_parameters_are_those_of_the_supplement_s_table_2():
+def test_parameters_of_supplement_table_2():
     model = nsrd(scale=4)
     assert count(model.first) == conv(7, 32)
     assert round(count(model.first) / 1e3, 2) == 2.05
-    # The gated convolution is shared by both previous frames, and printed twice; the printed total has it once.
+    # The gated convolution is shared by both previous frames, and printed twice; the printed total counts it once.
     assert count(model.gated) == 2 * conv(8, 32)
     assert round(2 * count(model.gated) / 1e3, 2) == 9.34
     assert round(count(model.recur.first) / 1e3, 2) == 13.86
@@ -95,12 +95,12 @@ def test_parameters_are_those_of_the_supplement_s_table_2():
 
 
 @pytest.mark.parametrize("scale", [2, 4, 6])
-def test_only_the_ends_know_the_scale(scale):
+def test_only_first_and_last_layers_depend_on_scale(scale):
     changed = conv(3 * scale**2, 32) + conv(32, 3 * scale**2)
     assert count(nsrd(scale=scale)) == 1_610_788 - conv(48, 32) - conv(32, 48) + changed
 
 
-def test_a_switch_that_is_off_leaves_no_parameters_and_no_inputs():
+def test_disabled_stage_leaves_no_parameters_and_no_inputs():
     whole = count(nsrd())
     assert count(nsrd(motion_mask=NoMotionMask)) == whole - 64 * 9
     assert count(nsrd(demodulate=Radiance)) == whole
@@ -114,7 +114,7 @@ def test_a_switch_that_is_off_leaves_no_parameters_and_no_inputs():
     assert state.carried == state.located == ()
 
 
-def test_what_the_paper_does_not_have_adds_its_channels_and_jitter_alone():
+def test_additions_to_the_paper_add_only_their_channels_and_jitter():
     whole = nsrd()
     assert "jitter" not in whole.requires
     located, based = nsrd(locate=LocatedByJitter), nsrd(base=JitterAlignedBase)
@@ -123,8 +123,8 @@ def test_what_the_paper_does_not_have_adds_its_channels_and_jitter_alone():
     assert count(based) == count(whole)
 
 
-def test_multiply_accumulates_are_those_of_the_supplement_s_table_2():
-    """At 480x270. The table cuts its digits off, after it has rounded the gated convolution of one frame."""
+def test_multiply_accumulates_of_supplement_table_2():
+    """At 480x270. The table truncates digits, after rounding the gated convolution of one frame."""
     h, w = 270, 480
     with torch.device("meta"):
         model = nsrd(scale=4)
@@ -161,14 +161,14 @@ def test_equals_a_plain_transcription_over_a_clip(scale, h, w, located, based):
     buffers = clip(5, 1, h, w, dtype=torch.float64)
     frames = [{name: values[0, t] for name, values in buffers.items()} for t in range(5)]
     with torch.no_grad():
-        expected = nsrd_plainly.outputs(model, frames, located, based)
+        expected = nsrd_transcription.outputs(model, frames, located, based)
         outputs = run(model, buffers)[0]
     assert outputs[2].diff(dim=-1).abs().max() > 1e-3
     torch.testing.assert_close(outputs, expected, rtol=0, atol=1e-11)
 
 
 def reliable_inputs(model, buffers):
-    """What the gated convolution reads at a clip's last frame, ``(B, previous, C, h, w)``."""
+    """Return the input of the gated convolution at a clip's last frame, ``(B, previous, C, h, w)``."""
     seen = []
     model.gated.register_forward_hook(lambda module, args, out: seen.append(args[0]))
     with torch.no_grad():
@@ -177,7 +177,7 @@ def reliable_inputs(model, buffers):
 
 
 @pytest.mark.parametrize("previous", [1, 2, 3])
-def test_without_motion_the_previous_frames_stay_as_they_were(previous):
+def test_without_motion_previous_frames_are_unchanged(previous):
     buffers = clip(frames=5, motion=0.0)
     read = reliable_inputs(nsrd(previous=previous), buffers)
     light = demodulate(buffers["radiance"], buffers["material"], buffers["emission"])
@@ -213,7 +213,7 @@ def test_items_do_not_mix_and_gradients_are_finite(switches):
 
 @pytest.mark.parametrize(("h", "w"), [(1, 1), (2, 7), (9, 3)])
 @pytest.mark.parametrize("scale", [1, 2, 4, 6])
-def test_every_size_from_one_pixel_up(scale, h, w):
+def test_every_size(scale, h, w):
     with torch.no_grad():
         outputs = run(nsrd(scale=scale), clip(h=h, w=w))
     assert outputs.shape == (2, 3, 3, h * scale, w * scale)
@@ -221,7 +221,7 @@ def test_every_size_from_one_pixel_up(scale, h, w):
 
 
 @pytest.mark.parametrize("buffer", INPUTS)
-def test_everything_that_is_declared_changes_the_output(buffer):
+def test_every_declared_buffer_changes_the_output(buffer):
     model, buffers = nsrd(), clip()
     with torch.no_grad():
         changed = run(model, {**buffers, buffer: clip(seed=1)[buffer]})
@@ -229,7 +229,7 @@ def test_everything_that_is_declared_changes_the_output(buffer):
 
 
 @pytest.mark.parametrize("switch", [{"locate": LocatedByJitter}, {"base": JitterAlignedBase}])
-def test_jitter_changes_the_output_of_what_declares_it(switch):
+def test_jitter_changes_the_output_if_declared(switch):
     model, buffers = nsrd(**switch), clip()
     with torch.no_grad():
         changed = run(model, {**buffers, "jitter": clip(seed=1)["jitter"]})
@@ -257,15 +257,15 @@ def test_recurrence_outlasts_the_window():
             assert torch.equal(run(model, mixed)[:, 5], run(model, buffers)[:, 5]) != remembers
 
 
-def test_it_runs_under_autocast_and_keeps_its_output_in_float32():
+def test_output_is_float32_under_autocast():
     with torch.no_grad(), torch.autocast("cpu", torch.bfloat16):
         outputs = run(nsrd(), clip())
     assert outputs.dtype == torch.float32
     torch.testing.assert_close(outputs, run(nsrd(), clip()).detach(), rtol=0, atol=0.02)
 
 
-def test_there_has_to_be_a_previous_frame():
-    with pytest.raises(UserError, match="model.previous must be 1 or more previous frames, got 0"):
+def test_zero_previous_frames_raise():
+    with pytest.raises(UserError, match=r"Invalid model\.previous=0: use at least 1 previous frame"):
         nsrd(previous=0)
 
 
@@ -293,5 +293,5 @@ def test_exports_to_a_graph(switches):
             expected, following = model(Frame(**frame), state)
             output, state = exported(frame, state)
             torch.testing.assert_close(output, expected)
-            for got, want in zip(sum(state, ()), sum(following, ()), strict=True):
-                torch.testing.assert_close(got, want)
+            for actual, expected in zip(sum(state, ()), sum(following, ()), strict=True):
+                torch.testing.assert_close(actual, expected)

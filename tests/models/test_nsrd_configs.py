@@ -52,24 +52,24 @@ def test_a_training_step_changes_every_weight(overrides):
     cfg = composed(*(("task.scale=2",) if "scale" not in overrides[0] else ()), *overrides)
     model, loss = instantiate(cfg.model), instantiate(cfg.loss)
     buffers = clip(model.scale, 3)
-    given = {k: v for k, v in buffers.items() if k in model.requires | model.compares | loss.requires}
+    inputs = {k: v for k, v in buffers.items() if k in model.requires | model.compares | loss.requires}
     before = [p.detach().clone() for p in model.parameters()]
     optimizer = torch.optim.Adam(model.parameters(), lr=1e-3)
-    value = loss(unroll(model, given, 3), model.reference(given), given)
+    value = loss(unroll(model, inputs, 3), model.reference(inputs), inputs)
     value.backward()
     optimizer.step()
     assert value.isfinite()
     for old, (name, new) in zip(before, model.named_parameters(), strict=True):
-        # Of the 4 units inside an attention all may be below 0 for every image: the published width.
+        # All 4 units inside an attention may be below 0 for every image, at the published width.
         assert "attention" in name or not torch.equal(old, new), name
     for t in range(3):
-        image = model.present(torch.randn(2, 3, 8 * model.scale, 9 * model.scale), Frame.from_clip(given, t))
+        image = model.present(torch.randn(2, 3, 8 * model.scale, 9 * model.scale), Frame.from_clip(inputs, t))
         assert image.min() >= 0.0
         assert image.max() <= 1.0
 
 
-def test_the_recipe_is_the_paper_s():
-    """Section 4.1, typed a second time."""
+def test_recipe_of_paper():
+    """Section 4.1, transcribed independently."""
     cfg = composed("experiment=nsrd")
     assert cfg.model._target_.endswith("NSRD")
     assert (cfg.task.scale, cfg.budget.crop // cfg.task.scale, cfg.budget.batch) == (4, 96, 8)
@@ -78,7 +78,7 @@ def test_the_recipe_is_the_paper_s():
     assert (cfg.data.train.clips, cfg.data.val.clips, cfg.data.test.clips) == (54, 6, 12)
     assert cfg.data.train.frames == 100
     assert cfg.optimizer._target_ == "torch.optim.Adam"
-    # Halved every 100 epochs.
+    # The rate is halved every 100 epochs.
     cfg.budget.steps = 2
     optimizer = instantiate(cfg.optimizer)([torch.zeros(1, requires_grad=True)])
     scheduler, rates = instantiate(cfg.budget.scheduler)(optimizer), []

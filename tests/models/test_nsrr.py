@@ -1,4 +1,4 @@
-"""NSRR against a plain transcription of Xiao et al. 2020, section 3.2, which warps every window from its first frame."""
+"""NSRR against a transcription of Xiao et al. 2020, section 3.2, which warps every window from its first frame."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import pytest
 import torch
 from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
-from nsrr_plainly import clip, nsrr, run, transcribed
+from nsrr_transcription import clip, nsrr, run, transcribed
 
 from supersampling.frames import Frame
 from supersampling.stages.colour_space import RGB
@@ -29,7 +29,7 @@ VARIANTS = [
 
 @pytest.mark.parametrize(("scale", "previous"), [(4, 4), (3, 2), (2, 1)])
 @torch.no_grad()
-def test_one_warp_a_step_equals_the_paper_s_window_at_every_frame(scale, previous):
+def test_one_warp_per_step_equals_the_window_of_the_paper(scale, previous):
     model = nsrr(scale, previous, width=8).double()
     for p in model.parameters():
         p.add_(torch.randn_like(p) * 0.05)  # biases too
@@ -43,7 +43,7 @@ def test_one_warp_a_step_equals_the_paper_s_window_at_every_frame(scale, previou
 
 @torch.no_grad()
 def test_samples_of_a_sliding_plane_land_where_the_plane_is_now():
-    """A pattern slides by whole target pixels, samples are target pixel centres: warped ones are this frame's own pixels."""
+    """A pattern slides by whole target pixels from sampled pixel centres: warped samples equal this frame's pixels."""
     n, size, velocity = 4, 12, (-3, 2)
     places = torch.tensor([(0, 0), (2, 1), (1, 3), (3, 2), (0, 2), (1, 0)])
 
@@ -59,19 +59,19 @@ def test_samples_of_a_sliding_plane_land_where_the_plane_is_now():
         frames.append(
             Frame(
                 color=color[None],
-                depth=torch.ones(1, 1, size, size).double(),  # marks what was sampled
+                depth=torch.ones(1, 1, size, size).double(),  # marks sampled pixels
                 motion=motion.view(1, 2, 1, 1).expand(1, 2, size, size),
                 jitter=(places[t : t + 1] + 0.5) / 4 - 0.5 + torch.zeros(1).double(),
             )
         )
     model = nsrr(4, n, width=2, extract=NoExtraction, reweight=NoReweighting, colour_space=RGB()).double()
-    seen, state = [], None
-    model.reconstruct.register_forward_pre_hook(lambda module, inputs: seen.append(inputs[0]))
+    inputs_of_net, state = [], None
+    model.reconstruct.register_forward_pre_hook(lambda module, inputs: inputs_of_net.append(inputs[0]))
     for frame in frames:
         _, state = model(frame, state)
     target = plane(centres, centres[:, None], len(frames) - 1)
     covered = torch.zeros(4 * size, 4 * size)
-    for k, image in enumerate(seen[-1][0].split(4)):
+    for k, image in enumerate(inputs_of_net[-1][0].split(4)):
         hit = image[3] > 0.5
         assert hit.sum() > 0.3 * size**2 if k else hit.sum() == size**2
         torch.testing.assert_close(image[:3, hit], target[:, hit], rtol=0, atol=1e-9)
@@ -80,7 +80,7 @@ def test_samples_of_a_sliding_plane_land_where_the_plane_is_now():
 
 
 @torch.no_grad()
-def test_zero_motion_leaves_the_window_as_it_was():
+def test_zero_motion_leaves_the_window_unchanged():
     model, buffers = nsrr(3, 2, width=4), clip(frames=3, motion=0.0)
     _, first = model(Frame.from_clip(buffers, 0), None)
     _, second = model(Frame.from_clip(buffers, 1), first)
@@ -91,7 +91,7 @@ def test_zero_motion_leaves_the_window_as_it_was():
 
 
 @torch.no_grad()
-def test_a_first_frame_looks_as_if_all_had_stood_still():
+def test_first_frame_stands_in_for_previous_frames():
     model, buffers = nsrr(2, 3, width=4), clip(frames=1, motion=0.0)
     still = {name: values.expand(-1, 5, *values.shape[2:]) for name, values in buffers.items()}
     outputs, _ = run(model, still)
@@ -99,7 +99,7 @@ def test_a_first_frame_looks_as_if_all_had_stood_still():
         torch.testing.assert_close(outputs[:, t], outputs[:, 0], rtol=0, atol=1e-6)
 
 
-def test_gradients_reach_back_as_far_as_the_window_and_no_further():
+def test_gradients_reach_exactly_the_frames_of_the_window():
     model, buffers = nsrr(2, 2, width=8), clip(frames=5)
     buffers["color"].requires_grad_()
     run(model, buffers)[0][:, -1].square().mean().backward()
@@ -125,7 +125,7 @@ def test_translation_by_whole_pixels_commutes_away_from_borders(warp_at, upsampl
 @pytest.mark.parametrize(("h", "w"), [(1, 1), (3, 5)])
 @pytest.mark.parametrize("warp_at", [TargetResolution(), LowResolution()])
 @torch.no_grad()
-def test_every_scale_and_size_from_one_pixel_up(scale, h, w, warp_at):
+def test_every_scale_and_size(scale, h, w, warp_at):
     outputs, _ = run(nsrr(scale, width=4, warp_at=warp_at), clip(h=h, w=w))
     assert outputs.shape == (2, 3, 3, h * scale, w * scale)
     assert outputs.isfinite().all()
@@ -148,7 +148,7 @@ def model_of(tmp_path_factory):
 
 
 @pytest.mark.parametrize("variant", VARIANTS, ids=" ".join)
-def test_every_option_composes_trains_a_step_and_keeps_items_apart(model_of, variant):
+def test_every_option_composes_trains_and_does_not_mix_items(model_of, variant):
     model, buffers = model_of(*variant), clip()
     buffers = {name: values for name, values in buffers.items() if name in model.requires}
     target = {"target": torch.rand(2, 1, 3, 10, 12)}
@@ -176,7 +176,7 @@ def test_every_option_composes_trains_a_step_and_keeps_items_apart(model_of, var
 
 @pytest.mark.parametrize("buffer", ["color", "depth", "motion", "jitter"])
 @torch.no_grad()
-def test_everything_that_is_declared_changes_the_output(buffer):
+def test_every_declared_buffer_changes_the_output(buffer):
     model, buffers = nsrr(2, 2, width=8), clip()
     changed = {**buffers, buffer: clip(seed=1)[buffer]}
     assert not torch.equal(run(model, changed)[0], run(model, buffers)[0])

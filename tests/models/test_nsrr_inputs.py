@@ -1,4 +1,4 @@
-"""What NSRR reads and predicts: display colour, light or lighting, and more buffers beside (NSRD, table 5)."""
+"""NSRR's inputs and outputs: display colour, light or lighting, and guides (NSRD, table 5)."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ import torch
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from hydra.utils import instantiate
-from nsrr_plainly import clip, nsrr, run, transcribed
+from nsrr_transcription import clip, nsrr, run, transcribed
 
 from supersampling.errors import UserError
 from supersampling.frames import Frame
@@ -33,7 +33,7 @@ READ = {
 
 
 def lit(frames=3, b=2, h=5, w=6, scale=2, dtype=torch.float32):
-    """The buffers of `nsrr_plainly.clip`, light, guides and references."""
+    """Return the buffers of `nsrr_transcription.clip`, light, guides and references."""
     g = torch.Generator().manual_seed(2)
 
     def rand(channels, s=1):
@@ -59,7 +59,7 @@ def only(buffers, names):
 
 
 @torch.no_grad()
-def test_lighting_takes_the_place_of_colour_and_guides_that_after_depth():
+def test_lighting_replaces_colour_and_guides_follow_depth():
     model = nsrr(2, 3, width=8, demodulate=Demodulated(), guides=GBuffers(["normal", "roughness"])).double()
     for p in model.parameters():
         p.add_(torch.randn_like(p) * 0.05)  # biases too
@@ -74,7 +74,7 @@ def test_lighting_takes_the_place_of_colour_and_guides_that_after_depth():
 
 @pytest.mark.parametrize("colour_space", [RGB(), YCbCr()])
 @pytest.mark.parametrize("demodulate", [Demodulated(), Radiance()])
-def test_a_perfect_output_is_shown_as_the_target_s_radiance(demodulate, colour_space):
+def test_perfect_output_is_displayed_as_the_target(demodulate, colour_space):
     model = nsrr(2, 1, width=4, demodulate=demodulate, colour_space=colour_space)
     buffers = lit()
     compared = model.reference(only(buffers, model.compares))
@@ -109,14 +109,14 @@ def model_of():
 
 @pytest.mark.parametrize("name", ["nsrr", "nsrr_fast"])
 @pytest.mark.parametrize("overrides", READ, ids=" ".join)
-def test_every_option_composes_reads_what_it_says_and_trains_a_step(model_of, overrides, name):
+def test_every_option_composes_declares_its_buffers_and_trains(model_of, overrides, name):
     model, buffers = model_of(f"model={name}", "model.width=16", *overrides), lit()
     assert model.requires == READ[overrides] | ALWAYS
-    given, compared = only(buffers, model.requires), model.reference(only(buffers, model.compares))
+    inputs_of_model, compared = only(buffers, model.requires), model.reference(only(buffers, model.compares))
     optimizer = torch.optim.Adam(model.parameters(), 1e-4)
     losses = []
     for _ in range(2):
-        outputs, _ = run(model, given)
+        outputs, _ = run(model, inputs_of_model)
         loss = (outputs - compared).square().mean()
         optimizer.zero_grad()
         loss.backward()
@@ -124,21 +124,21 @@ def test_every_option_composes_reads_what_it_says_and_trains_a_step(model_of, ov
         optimizer.step()
         losses.append(loss.item())
     assert losses[1] < losses[0]
-    shown = model.present(outputs[:, -1], Frame.from_clip(given, 2))
+    shown = model.present(outputs[:, -1], Frame.from_clip(inputs_of_model, 2))
     assert shown.min() >= 0.0
     assert shown.max() <= 1.0
 
 
 @pytest.mark.parametrize("buffer", ["radiance", "material", "emission", "normal", "albedo"])
 @torch.no_grad()
-def test_everything_that_is_declared_changes_the_output(buffer):
+def test_every_declared_buffer_changes_the_output(buffer):
     model = nsrr(2, 2, width=8, demodulate=Demodulated(), guides=GBuffers(["normal", "albedo"]))
     buffers = only(lit(), model.requires)
     changed = {**buffers, buffer: buffers[buffer].flip(-1)}
     assert not torch.equal(run(model, changed)[0], run(model, buffers)[0])
 
 
-def test_a_guide_that_is_none_is_refused_from_the_command_line(model_of):
+def test_invalid_guide_on_the_command_line_raises(model_of):
     with pytest.raises(Exception, match="high_normal") as caught:
         model_of("model/guides=gbuffers", "model.guides.names=[high_normal]")
     assert isinstance(caught.value, UserError) or isinstance(caught.value.__cause__, UserError)

@@ -1,8 +1,8 @@
-"""NSRR's layers: how many, how wide, what they start from."""
+"""NSRR's layers: their number, widths and initialisation."""
 
 import pytest
 import torch
-from nsrr_plainly import nsrr
+from nsrr_transcription import nsrr
 
 from supersampling.errors import UserError
 from supersampling.models.blocks.unet import UNet
@@ -16,7 +16,7 @@ def parameters(model):
 
 
 def by_formula(previous, width=64, extract=True, reweight=True, guides=0):
-    """Figure 4's table of layers, each ``(inputs, outputs)``: 9 weights a pair and a bias an output."""
+    """Count figure 4's layers, each ``(inputs, outputs)``: 9 weights per pair and a bias per output."""
     c = (12 if extract else 4) + guides
     h = width // 2
     layers = [(c * (previous + 1), width), (width, h), (h, width), (width, width), (width, 2 * width),
@@ -56,7 +56,7 @@ def test_guides_widen_both_extractors_and_the_u_net_but_not_the_reweighting(prev
     assert parameters(model) == by_formula(previous, extract=extract is LearnedFeatures, guides=3 + 1)
 
 
-def test_the_fast_u_net_halves_every_layer_but_the_last():
+def test_fast_u_net_halves_every_layer_except_the_last():
     outputs = [
         [c.out_channels for c in UNet(60, width).modules() if isinstance(c, torch.nn.Conv2d)] for width in (64, 32)
     ]
@@ -64,7 +64,7 @@ def test_the_fast_u_net_halves_every_layer_but_the_last():
     assert outputs[1] == [32, 16, 32, 32, 64, 64, 32, 32, 16, 3]
 
 
-def test_weights_start_uniform_as_glorot_s_with_biases_at_zero():
+def test_weights_start_glorot_uniform_with_zero_biases():
     for layer in nsrr().modules():
         if isinstance(layer, torch.nn.Conv2d):
             bound = (6 / (9 * (layer.in_channels + layer.out_channels))) ** 0.5
@@ -74,11 +74,11 @@ def test_weights_start_uniform_as_glorot_s_with_biases_at_zero():
 
 
 @pytest.mark.parametrize(("previous", "word"), [(-1, "-1"), (1.5, "1.5")])
-def test_an_impossible_number_of_frames_is_refused(previous, word):
-    with pytest.raises(UserError, match=rf"model\.previous .* got {word}"):
+def test_invalid_number_of_frames_raises(previous, word):
+    with pytest.raises(UserError, match=rf"Invalid model\.previous={word}: use a whole number"):
         nsrr(previous=previous)
 
 
-def test_an_odd_width_is_refused():
-    with pytest.raises(UserError, match=r"model\.width must be an even number from 2 up, got 7"):
+def test_odd_width_raises():
+    with pytest.raises(UserError, match=r"Invalid model\.width=7: use an even number"):
         nsrr(width=7)

@@ -18,7 +18,7 @@ def tus(scale=2, sigma=0.8, alpha=0.5, rectify=None, dilate=None, pad=None):
 
 
 def test_blends_a_sample_into_history_by_alpha_beta():
-    """One sample, scale 1, at the pixel's own distance from the centre: eqs 39, 41, 42 in closed form."""
+    """One sample, scale 1, at the sample's distance from the pixel centre: eqs 39, 41, 42 in closed form."""
     model = tus(scale=1, sigma=0.8, alpha=0.5)
     frame = Frame(
         color=torch.full((1, 3, 1, 1), 0.9),
@@ -54,8 +54,8 @@ def test_clamping_removes_a_ghost():
     torch.testing.assert_close(output, torch.full((1, 3, 8, 8), 0.3))
 
 
-def test_a_static_checkerboard_gathers_to_its_full_resolution():
-    """Samples at the four target pixel centres of 2x2, in turn: the history must become the target itself."""
+def test_static_image_accumulates_to_full_resolution():
+    """Samples at the four target pixel centres of 2x2, in turn: the history must converge to the target."""
     target = torch.rand(1, 3, 8, 8, generator=torch.Generator().manual_seed(1))
     model, state = tus(sigma=0.3, alpha=0.5), None
     for t in range(80):
@@ -66,12 +66,12 @@ def test_a_static_checkerboard_gathers_to_its_full_resolution():
     torch.testing.assert_close(output, target, rtol=0, atol=0.01)
 
 
-def test_dilation_adds_depth_to_what_is_read():
+def test_dilation_adds_depth_to_required_buffers():
     assert tus().requires == {"color", "jitter", "motion"}
     assert tus(dilate=ClosestDepth()).requires == {"color", "jitter", "motion", "depth"}
 
 
 @pytest.mark.parametrize(("sigma", "alpha"), [(0.0, 0.5), (-1.0, 0.5), (0.8, 1.5), (0.8, -0.1)])
-def test_settings_out_of_range_are_refused(sigma, alpha):
-    with pytest.raises(UserError, match="must"):
+def test_settings_out_of_range_raise(sigma, alpha):
+    with pytest.raises(UserError, match="Invalid model"):
         tus(sigma=sigma, alpha=alpha)

@@ -4,13 +4,13 @@ from supersampling.frames import Frame
 from supersampling.stages.base import JitterAlignedBase, NoBase
 
 
-def test_off_is_the_prediction_itself_and_reads_nothing():
+def test_none_returns_the_prediction_and_reads_nothing():
     predicted = torch.rand(1, 3, 4, 6)
     assert NoBase().requires == frozenset()
     assert NoBase()(predicted, torch.rand(1, 3, 2, 3), Frame()) is predicted
 
 
-def test_light_that_is_linear_in_the_place_is_added_as_it_is_at_the_target_s_pixels():
+def test_linear_light_is_added_at_target_pixel_centres():
     h, w, scale, offset = 6, 7, 4, (0.3, -0.45)
 
     def light(x, y):

@@ -6,13 +6,13 @@ from PIL import Image
 from supersampling.stages.colour_space import RGB, YCbCr, YCoCg
 
 
-def test_ycbcr_is_that_of_jpeg():
+def test_ycbcr_equals_jpeg():
     pixels = np.random.default_rng(0).integers(0, 256, (16, 16, 3), dtype=np.uint8)
     expected = np.asarray(Image.fromarray(pixels).convert("YCbCr"), dtype=np.float32)
-    ours = YCbCr().of_rgb(torch.from_numpy(pixels).permute(2, 0, 1) / 255.0)
-    # Its chroma is centred at 128, ours at 0.5 of 255; it rounds.
+    ycbcr = YCbCr().of_rgb(torch.from_numpy(pixels).permute(2, 0, 1) / 255.0)
+    # PIL centres chroma at 128 and rounds; here the centre is 0.5 of 255.
     offset = torch.tensor([0.0, 0.5, 0.5])[:, None, None]
-    assert (ours * 255.0 + offset - torch.from_numpy(expected).permute(2, 0, 1)).abs().max() < 1.01
+    assert (ycbcr * 255.0 + offset - torch.from_numpy(expected).permute(2, 0, 1)).abs().max() < 1.01
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def test_corners_of_the_cube(rgb, ycbcr):
 
 
 @pytest.mark.parametrize("space", [RGB(), YCbCr()])
-def test_there_and_back_for_frames_and_clips(space):
+def test_round_trip_of_frames_and_clips(space):
     for shape in ((2, 3, 4, 5), (2, 6, 3, 4, 5)):
         rgb = torch.rand(shape)
         color = space.of_rgb(rgb)
@@ -40,8 +40,8 @@ def test_there_and_back_for_frames_and_clips(space):
 
 
 @pytest.mark.parametrize("space", [RGB(), YCoCg(), YCbCr()])
-def test_light_of_any_size_keeps_its_sums_and_comes_back(space):
-    """An affine map: nothing is cut beyond [0, 1], and only the offset, black's place, is not linear."""
+def test_unbounded_light_is_mapped_affinely_and_back(space):
+    """An affine map: nothing is clipped outside [0, 1], and only the offset, the value of black, is not linear."""
     a, b = (100.0 * torch.rand(2, 3, 4, 5, dtype=torch.float64) for _ in range(2))
     black = space.of_rgb(torch.zeros_like(a))
     torch.testing.assert_close(space.of_rgb(a + b) - black, space.of_rgb(a) + space.of_rgb(b) - 2.0 * black)
@@ -49,7 +49,7 @@ def test_light_of_any_size_keeps_its_sums_and_comes_back(space):
 
 
 @pytest.mark.parametrize("space", [YCoCg(), YCbCr()])
-def test_grey_has_its_value_for_luma_and_no_colour(space):
+def test_grey_has_its_value_as_luma_and_no_chroma(space):
     color = space.of_rgb(torch.full((1, 3, 1, 1), 7.0)).flatten()
     chroma = space.of_rgb(torch.zeros(1, 3, 1, 1)).flatten()[1:]
     torch.testing.assert_close(color, torch.cat((torch.tensor([7.0]), chroma)))

@@ -7,7 +7,7 @@ X = torch.tensor([-0.5, -1e-3, 0.01, 0.3, 0.99, 1.2])
 
 
 @pytest.mark.parametrize("option", [Clamp, StraightThrough])
-def test_the_clamps_give_the_published_values_to_the_bit(option):
+def test_clamps_return_the_published_values_exactly(option):
     x = torch.randn(1000) * 2
     assert option()(x).tolist() == [min(max(v, 0.0), 1.0) for v in x.tolist()]
 
@@ -17,11 +17,8 @@ def test_the_clamps_give_the_published_values_to_the_bit(option):
     [
         (Clamp, 1.0, [0.0, 0.0, 1.0, 1.0, 1.0, 0.0]),
         (Clamp, -1.0, [0.0, 0.0, -1.0, -1.0, -1.0, 0.0]),
-        (
-            StraightThrough,
-            1.0,
-            [0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
-        ),  # descent lowers: only from above is it back inside
+        # A positive gradient lowers the value, which leads back inside only from above 1.
+        (StraightThrough, 1.0, [0.0, 0.0, 1.0, 1.0, 1.0, 1.0]),
         (StraightThrough, -1.0, [-1.0, -1.0, -1.0, -1.0, -1.0, 0.0]),
     ],
 )
@@ -31,7 +28,7 @@ def test_gradients_outside_the_interval(option, upstream, expected):
     assert x.grad.tolist() == expected
 
 
-def test_a_saturated_output_recovers_by_the_straight_through_gradient_alone():
+def test_saturated_output_recovers_only_by_the_straight_through_gradient():
     finals = {}
     for option in (Clamp, StraightThrough):
         x = torch.tensor([-1.0], requires_grad=True)

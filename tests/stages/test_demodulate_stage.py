@@ -19,45 +19,47 @@ def test_lighting_is_radiance_without_emission_over_material():
     torch.testing.assert_close(Demodulated()(frame), lighting)
 
 
-def test_a_perfect_output_is_presented_as_the_display_of_the_target():
+def test_perfect_output_is_presented_as_the_target():
     torch.manual_seed(0)
     clip = {"target_radiance": 3.0 * light(2, 4, 3, 6, 6)}
-    clip["high_emission"] = clip["target_radiance"] * (light(2, 4, 1, 6, 6) > 0.8)  # sky: all of it passes beside
+    clip["high_emission"] = clip["target_radiance"] * (
+        light(2, 4, 1, 6, 6) > 0.8
+    )  # sky: all of it bypasses the network
     clip["high_material"] = light(2, 4, 3, 6, 6, low=0.05) * (clip["high_emission"] == 0)
     for stage in (Demodulated(), LoggedLighting(), Radiance()):
-        given = {name: clip[name] for name in stage.compares}
-        reference = stage.reference(given)
+        buffers = {name: clip[name] for name in stage.compares}
+        reference = stage.reference(buffers)
         assert reference.shape == clip["target_radiance"].shape
         for t in range(4):
-            image = stage.present(reference[:, t], Frame.from_clip(given, t))
+            image = stage.present(reference[:, t], Frame.from_clip(buffers, t))
             torch.testing.assert_close(image, radiance_to_display(clip["target_radiance"][:, t]))
 
 
-def test_negative_outputs_are_no_light_and_do_not_darken_emission():
+def test_negative_outputs_do_not_darken_emission():
     emission = light(1, 3, 2, 2)
     frame = Frame(high_material=torch.ones_like(emission), high_emission=emission)
     shown = Demodulated().present(-torch.ones_like(emission), frame)
     assert torch.equal(shown, radiance_to_display(emission))
 
 
-def test_logged_lighting_is_a_logarithm_of_lighting_that_no_output_overflows():
+def test_logged_lighting_is_the_logarithm_of_lighting_and_does_not_overflow():
     lighting = torch.tensor([0.0, 1e-6, 0.5, 3000.0], dtype=torch.float64).expand(1, 3, 1, 4)
     one, none = torch.ones_like(lighting), torch.zeros_like(lighting)
     stage = LoggedLighting()
-    seen = stage(Frame(radiance=lighting, material=one, emission=none))
-    assert seen[0, 0, 0].tolist() == pytest.approx([0.0, 1e-6, math.log(1.5), math.log(3001.0)], rel=1e-5)
+    lit = stage(Frame(radiance=lighting, material=one, emission=none))
+    assert lit[0, 0, 0].tolist() == pytest.approx([0.0, 1e-6, math.log(1.5), math.log(3001.0)], rel=1e-5)
     shown = stage.present(torch.full_like(one, 1e4), Frame(high_material=one, high_emission=none))
     torch.testing.assert_close(shown, one)
 
 
-def test_off_reads_the_radiance_alone():
+def test_none_reads_radiance_only():
     radiance = light(1, 3, 2, 2)
     assert Radiance().requires == {"radiance"}
     assert Radiance().compares == {"target_radiance"}
     assert torch.equal(Radiance()(Frame(radiance=radiance)), radiance)
 
 
-def test_display_colour_is_shown_as_it_is_within_its_range():
+def test_display_colour_is_presented_unchanged_within_its_range():
     stage = DisplayColour()
     clip = {"color": light(2, 3, 3, 4, 4), "target": light(2, 3, 3, 8, 8)}
     assert stage.requires == {"color"}
@@ -68,6 +70,6 @@ def test_display_colour_is_shown_as_it_is_within_its_range():
     assert stage.present(beyond, Frame()).tolist() == torch.tensor([0.0, 0.0, 0.3, 1.0, 1.0]).tolist()
 
 
-def test_what_is_presented_is_among_what_is_required():
-    """Scoring loads what is required, and no reference beside the target."""
+def test_buffers_of_present_are_required():
+    """Scoring loads required buffers, and no reference except the target."""
     assert Demodulated().requires == {"radiance", "material", "emission", "high_material", "high_emission"}

@@ -25,7 +25,7 @@ def test_takes_the_motion_of_the_nearest_neighbour(h, w):
     assert torch.equal(ClosestDepth()(motion, depth), dilate_by_loops(motion, depth))
 
 
-def test_equal_depths_keep_their_own_motion():
+def test_equal_depths_keep_the_motion_of_each_pixel():
     motion = torch.randn(1, 2, 5, 6)
     assert torch.equal(ClosestDepth()(motion, torch.ones(1, 1, 5, 6)), motion)
 

@@ -6,7 +6,7 @@ from supersampling.stages.extract import LearnedFeatures, NoExtraction
 
 
 def convolved(image, weight, bias):
-    """3x3 with zeros outside, one output pixel after the other."""
+    """Convolve 3x3 with zeros outside, one output pixel after the other."""
     channels, height, width = image.shape
     out = torch.zeros(len(weight), height, width, dtype=image.dtype)
     for o in range(len(weight)):
@@ -46,9 +46,9 @@ def test_published_widths():
     assert sum(p.numel() for p in stage.parameters()) == 12_744
 
 
-def test_two_extractors_share_nothing():
-    one, other = LearnedFeatures(4), LearnedFeatures(4)
-    assert not {p.data_ptr() for p in one.parameters()} & {p.data_ptr() for p in other.parameters()}
+def test_two_extractors_share_no_weights():
+    first, second = LearnedFeatures(4), LearnedFeatures(4)
+    assert not {p.data_ptr() for p in first.parameters()} & {p.data_ptr() for p in second.parameters()}
 
 
 def test_gradients():
@@ -58,7 +58,7 @@ def test_gradients():
     assert torch.autograd.gradcheck(stage, (x,))
 
 
-def test_off_hands_the_samples_on_and_has_no_parameters():
+def test_none_returns_the_samples_and_has_no_parameters():
     stage, samples = NoExtraction(4), torch.rand(2, 4, 3, 5)
     assert stage(samples) is samples
     assert stage.channels == 4

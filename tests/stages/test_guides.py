@@ -30,16 +30,16 @@ def test_buffers_follow_the_samples_in_the_order_of_their_names():
         (["normals"], "normals"),  # no buffer at all
         (["normal", "high_normal"], "high_normal"),  # of the target resolution
         (["jitter"], "jitter"),  # no image
-        (["target"], "target"),  # the answer
-        (["object_id"], "object_id"),  # a number that means nothing
-        (["depth"], "depth"),  # there already
+        (["target"], "target"),  # the reference
+        (["object_id"], "object_id"),  # a number without a meaning
+        (["depth"], "depth"),  # always an input
         (["normal", "albedo", "normal"], "normal"),
     ],
 )
-def test_what_cannot_be_added_is_refused_by_name(names, word):
-    with pytest.raises(UserError, match=rf"model\.guides\.names holds {word}, .* use a list of .*normal"):
+def test_invalid_guides_raise_by_name(names, word):
+    with pytest.raises(UserError, match=rf"Invalid entry {word} of model\.guides\.names, .*: use a list of .*normal"):
         GBuffers(names)
 
 
-def test_one_name_alone_counts_as_a_list_of_it():
+def test_single_name_counts_as_a_list():
     assert GBuffers("normal").requires == {"normal"}

@@ -19,11 +19,11 @@ def test_blending_is_equation_3():
     assert torch.equal(history, torch.cat((output, extra[:, 1:].tanh()), dim=1))
 
 
-@pytest.mark.parametrize(("mask", "kept"), [(-200.0, True), (200.0, False)])
-def test_the_mask_at_its_ends_keeps_or_discards_the_previous_output(mask, kept):
+@pytest.mark.parametrize(("mask", "keeps"), [(-200.0, True), (200.0, False)])
+def test_the_mask_at_its_ends_keeps_or_discards_the_previous_output(mask, keeps):
     candidate, previous = torch.rand(1, 3, 4, 5), torch.rand(1, 4, 4, 5)
     output, _ = Blended()(candidate, torch.full((1, 2, 4, 5), mask), previous)
-    assert torch.equal(output, previous[:, :3] if kept else candidate)
+    assert torch.equal(output, previous[:, :3] if keeps else candidate)
 
 
 def test_gradient_of_blending():
@@ -53,6 +53,6 @@ def test_without_history_nothing_is_carried():
 
 
 @pytest.mark.parametrize("stage", [Blended(), Unblended()])
-def test_it_starts_from_colour_and_features_of_zero(stage):
+def test_history_starts_with_colour_and_features_of_zero(stage):
     color = torch.rand(2, 3, 4, 5)
     assert torch.equal(stage.start(color), torch.cat((color, torch.zeros(2, 1, 4, 5)), dim=1))

@@ -24,7 +24,7 @@ def test_published_touches_nothing():
 
 
 @pytest.mark.parametrize("confine", [Clamp(), Sigmoid()])
-def test_balanced_starts_at_its_values_when_nothing_is_seen(confine):
+def test_balanced_starts_at_its_values_for_zero_input(confine):
     first, lasts = layers()
     Balanced(blend=0.2, keep=0.8)(first, lasts, confine)
     dark = first(torch.zeros(1, 8, 8, 8))
@@ -34,6 +34,6 @@ def test_balanced_starts_at_its_values_when_nothing_is_seen(confine):
 
 
 @pytest.mark.parametrize("values", [{"blend": 0.0}, {"keep": 1.0}])
-def test_a_saturated_start_is_refused(values):
+def test_saturated_start_raises(values):
     with pytest.raises(UserError, match="inside"):
         Balanced(**values)

@@ -36,14 +36,14 @@ def convolve_by_loops(x, kernel, bias):
 
 
 @pytest.mark.parametrize(("h", "w"), [(1, 1), (3, 5)])
-def test_every_item_is_convolved_by_its_own_kernel(h, w):
+def test_each_item_is_convolved_with_its_kernel(h, w):
     x, kernel, bias = torch.randn(3, 2, h, w), torch.randn(3, 4, 2, 3, 3), torch.randn(4)
     torch.testing.assert_close(convolve(x, kernel, bias), convolve_by_loops(x, kernel, bias))
     shared = convolve(x, kernel[:1], bias)
     torch.testing.assert_close(shared, convolve_by_loops(x, kernel[:1].expand(3, -1, -1, -1, -1), bias))
 
 
-def test_the_convolution_s_gradients():
+def test_gradients_of_convolution():
     x = torch.randn(2, 2, 3, 3, dtype=torch.float64, requires_grad=True)
     kernel = torch.randn(2, 3, 2, 3, 3, dtype=torch.float64, requires_grad=True)
     bias = torch.randn(3, dtype=torch.float64, requires_grad=True)
@@ -68,7 +68,7 @@ def test_the_mlp_is_linear_layers_with_relu_between_them():
         torch.testing.assert_close(flat, y)
 
 
-def test_the_mlp_s_gradient_by_the_jitter():
+def test_gradient_of_mlp_by_jitter():
     mlp = KernelMLP((FIRST, LAST), **MLP).double()
     torch.nn.init.normal_(mlp.layers[-1].weight)
     jitter = torch.rand(2, 2, dtype=torch.float64, requires_grad=True)
@@ -78,7 +78,7 @@ def test_the_mlp_s_gradient_by_the_jitter():
 @pytest.mark.parametrize(
     ("name", "predicted"), [("both", 9 * (28 + 24)), ("first", 9 * 28), ("last", 9 * 24), ("none", 0)]
 )
-def test_what_is_not_predicted_leaves_no_part_of_the_mlp(name, predicted):
+def test_unpredicted_kernels_leave_no_parameters_in_the_mlp(name, predicted):
     width, layers = MLP["width"], MLP["layers"]
     fixed = 9 * (28 + 24) - predicted
     mlp = 2 * width + width + (layers - 2) * (width**2 + width) + (width + 1) * predicted if predicted else 0
@@ -86,7 +86,7 @@ def test_what_is_not_predicted_leaves_no_part_of_the_mlp(name, predicted):
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_shapes_and_which_kernels_the_jitter_changes(name):
+def test_shapes_and_dependence_on_jitter(name):
     torch.manual_seed(0)
     first, last = trained(OPTIONS[name]())(torch.tensor([[-0.5, 0.2], [0.4, -0.1]]))
     assert first.shape == (2 if name in ("both", "first") else 1, 4, 7, 3, 3)
@@ -96,16 +96,16 @@ def test_shapes_and_which_kernels_the_jitter_changes(name):
 
 
 def trained(stage):
-    """As if it had learned to heed the jitter, which a new one does not."""
+    """Return the stage with random weights that depend on the jitter, unlike those of a new one."""
     if hasattr(stage, "mlp"):
         torch.nn.init.normal_(stage.mlp.layers[-1].weight)
     return stage
 
 
 @pytest.mark.parametrize("name", OPTIONS)
-def test_kernels_start_as_given_whatever_the_jitter(name):
-    for kernels, given in zip(OPTIONS[name]()(torch.rand(2, 2) - 0.5), (FIRST, LAST)):
-        assert torch.equal(kernels, given.expand_as(kernels))
+def test_kernels_start_at_initial_ones_for_any_jitter(name):
+    for kernels, initial in zip(OPTIONS[name]()(torch.rand(2, 2) - 0.5), (FIRST, LAST)):
+        assert torch.equal(kernels, initial.expand_as(kernels))
 
 
 @pytest.mark.parametrize("name", OPTIONS)
@@ -116,8 +116,10 @@ def test_precomputed_kernels_are_those_of_the_jitter(name):
     assert not list(table.parameters())
     for k in (3, 15, 0):
         with torch.no_grad():
-            for made, expected in zip(table(sequence[k : k + 1]), stage(sequence[k : k + 1])):
-                torch.testing.assert_close(made, expected, rtol=1e-5, atol=1e-6)  # single precision, other batch sizes
+            for kernel, expected in zip(table(sequence[k : k + 1]), stage(sequence[k : k + 1])):
+                torch.testing.assert_close(
+                    kernel, expected, rtol=1e-5, atol=1e-6
+                )  # single precision, other batch sizes
 
 
 def test_a_precomputed_kernel_is_that_of_the_nearest_jitter():
@@ -129,7 +131,7 @@ def test_a_precomputed_kernel_is_that_of_the_nearest_jitter():
 
 
 @pytest.mark.parametrize(("width", "layers"), [(0, 7), (16, 1)])
-def test_an_impossible_mlp_is_refused(width, layers):
+def test_invalid_mlp_raises(width, layers):
     with pytest.raises(UserError, match=f"width={width} and layers={layers}"):
         KernelMLP((FIRST,), width, layers)
 

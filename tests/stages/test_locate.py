@@ -1,4 +1,4 @@
-"""Where samples lie, against scenes whose colour and motion are known in closed form at every point."""
+"""Positions of samples, against scenes whose colour and motion are known in closed form at every point."""
 
 import pytest
 import torch
@@ -11,7 +11,7 @@ from supersampling.stages.motion_mask import DualMotionMask
 
 H, W = 24, 30
 JITTERS = torch.tensor([[0.3, -0.4], [-0.45, 0.1], [0.15, 0.45], [-0.2, -0.3]], dtype=torch.float64)
-# A slide and a zoom: where a point at (x, y), in pixels, was one frame ago.
+# A slide and a zoom: the position one frame ago of a point at (x, y), in pixels.
 SLIDE = (lambda x, y: (x - 0.7, y + 1.2), "slide")
 ZOOM = (lambda x, y: (15 + (x - 15) / 1.06 - 0.4, 12 + (y - 12) / 1.06), "zoom")
 STILL = (lambda x, y: (x, y), "still")
@@ -28,14 +28,14 @@ def light(x, y):
 
 
 def scene(before, t, x, y):
-    """The light at ``(x, y)`` of frame ``t``: that of the point's place in frame 0."""
+    """Return the light at ``(x, y)`` of frame ``t``: that of the point's position in frame 0."""
     for _ in range(t):
         x, y = before(x, y)
     return light(x, y)
 
 
 def shot(before, t):
-    """What a renderer gives: light and motion at the samples, and the frame."""
+    """Return what a renderer does: light at the samples, and the frame with their motion."""
     x, y = centres()
     x, y = x + JITTERS[t, 0], y + JITTERS[t, 1]
     was_x, was_y = before(x, y)
@@ -48,7 +48,7 @@ def inner(image):
 
 
 def vectors_to_all(stage, before, last=3, mask=None):
-    """The vectors of frame ``last`` to each frame before it, as NSRD adds them up."""
+    """Return the vectors of frame ``last`` to each frame before it, as NSRD adds them up."""
     mask = mask or DualMotionMask()
     earlier, memory = (), ()
     for t in range(last + 1):
@@ -60,7 +60,7 @@ def vectors_to_all(stage, before, last=3, mask=None):
 
 
 def largest_error(stage, before):
-    """Between the samples of the last frame and those of each frame before it, warped to it."""
+    """Return the largest errors between the samples of the last frame and those of each previous one, warped to it."""
     now, _ = shot(before, 3)
     return [
         inner(warp(shot(before, 2 - k)[0], vectors[:, :2]) - now).abs().max().item()
@@ -78,12 +78,12 @@ def test_warped_samples_are_the_current_ones_to_interpolation_error(before):
 
 
 @MOTIONS
-def test_without_knowledge_of_jitter_they_are_displaced(before):
+def test_unlocated_samples_are_displaced(before):
     assert min(largest_error(Unlocated(), before)) > 3 * BOUND
 
 
 def test_whole_steps_of_samples_are_followed_exactly():
-    """Motion and jitter that bring a sample onto another: nothing is interpolated."""
+    """Motion and jitter that move a sample exactly onto another one: nothing is interpolated."""
     x, y = centres()
     now = Frame(
         motion=torch.full((1, 2, H, W), 0.0, dtype=torch.float64),
@@ -92,26 +92,26 @@ def test_whole_steps_of_samples_are_followed_exactly():
     now.motion[:, 0], now.motion[:, 1] = -1.75 / W, 2.5 / H
     before = torch.tensor([[0.5, 0.0]]).double()
     vectors = LocatedByJitter().between_samples(now.motion, now, (before,))
-    expected = light(x + 0.25 - 1.75, y - 0.5 + 2.5)  # the scene at the points' places in the previous frame
-    got = warp(light(x + 0.5, y), vectors)
-    torch.testing.assert_close(inner(got), inner(expected), rtol=0, atol=1e-10)
+    expected = light(x + 0.25 - 1.75, y - 0.5 + 2.5)  # the scene at the points' positions in the previous frame
+    actual = warp(light(x + 0.5, y), vectors)
+    torch.testing.assert_close(inner(actual), inner(expected), rtol=0, atol=1e-10)
 
 
 @MOTIONS
-def test_motion_at_the_target_is_that_of_the_target_s_pixel_centres(before):
-    """All three motions are linear in the place, so bilinear interpolation is exact away from the border."""
+def test_motion_at_target_is_that_of_target_pixel_centres(before):
+    """All three motions are linear in the position, so bilinear interpolation is exact away from the border."""
     scale, (_, frame) = 3, shot(before, 1)
     x, y = (c / scale for c in centres(H * scale, W * scale))
     was_x, was_y = before(x, y)
     exact = torch.stack(((was_x - x) / W, (was_y - y) / H))[None]
-    got = LocatedByJitter().at_target(frame.motion, frame, scale)
-    torch.testing.assert_close(inner(got), inner(exact), rtol=0, atol=1e-12)
+    actual = LocatedByJitter().at_target(frame.motion, frame, scale)
+    torch.testing.assert_close(inner(actual), inner(exact), rtol=0, atol=1e-12)
     ignored = Unlocated().at_target(frame.motion, frame, scale)
     off = inner(ignored - exact).abs().max().item()
     assert (off > 1e-4) == (before is ZOOM[0])
 
 
-def test_a_previous_output_is_warped_without_jitter_whatever_the_jitter():
+def test_previous_output_is_warped_without_jitter():
     """An output lies at the target's pixel centres in both frames: a slide by whole target pixels copies it."""
     scale, output = 2, torch.rand(1, 3, 2 * H, 2 * W)
     motion = torch.zeros(1, 2, H, W)
@@ -130,7 +130,7 @@ def test_the_mask_of_a_still_scene_is_zero_under_changing_jitter():
 
 
 def test_what_was_hidden_is_followed_at_the_samples_place():
-    """A mask of frame 1, linear in the place, seen two frames back from frame 2, which slides by a fraction of a pixel."""
+    """A mask of frame 1, linear in the position, followed from frame 2, which slides by a fraction of a pixel."""
     stage, mask = LocatedByJitter(), DualMotionMask()
 
     def hidden(x, y):
@@ -147,7 +147,7 @@ def test_what_was_hidden_is_followed_at_the_samples_place():
     torch.testing.assert_close(inner(two[0, 2]), inner(hidden(was_x, was_y)), rtol=0, atol=1e-12)
 
 
-def test_the_planes_are_each_item_s_jitter_and_a_warp_leaves_them():
+def test_planes_hold_the_jitter_of_each_item_and_survive_a_warp():
     jitter = torch.tensor([[0.3, -0.2], [-0.5, 0.1]])
     inputs = torch.rand(2, 7, 4, 5)
     appended = LocatedByJitter().append(inputs, Frame(jitter=jitter))
@@ -160,21 +160,21 @@ def test_the_planes_are_each_item_s_jitter_and_a_warp_leaves_them():
     torch.testing.assert_close(warped[:, 7:], appended[:, 7:], rtol=0, atol=1e-6)
 
 
-def test_the_first_frame_has_no_other_jitter():
+def test_first_frame_has_no_previous_jitter():
     vectors = torch.rand(1, 4, H, W)
     assert LocatedByJitter().between_samples(vectors, Frame(jitter=torch.rand(1, 2)), ()) is vectors
 
 
 @pytest.mark.parametrize("channels", [2, 4])
-def test_items_keep_their_own_jitter_and_only_motion_takes_it_up(channels):
+def test_each_item_has_its_jitter_and_only_motion_contains_it(channels):
     vectors = torch.rand(2, channels, 3, 4)
     now, before = torch.rand(2, 2) - 0.5, torch.rand(2, 2) - 0.5
-    got = LocatedByJitter().between_samples(vectors, Frame(jitter=now), (before,))
+    actual = LocatedByJitter().between_samples(vectors, Frame(jitter=now), (before,))
     for n in range(2):
         for c, size in ((0, 4), (1, 3)):
             expected = vectors[n, c] + (now[n, c] - before[n, c]) / size
-            torch.testing.assert_close(got[n, c], expected)
-    assert torch.equal(got[:, 2:], vectors[:, 2:])
+            torch.testing.assert_close(actual[n, c], expected)
+    assert torch.equal(actual[:, 2:], vectors[:, 2:])
 
 
 def test_gradients():
@@ -185,7 +185,7 @@ def test_gradients():
     assert torch.autograd.gradcheck(lambda x: stage.between_samples(x, frame, (JITTERS[1:2],)), inputs)
 
 
-def test_off_reads_nothing_and_changes_nothing():
+def test_none_reads_nothing_and_changes_nothing():
     stage, inputs = Unlocated(), torch.rand(1, 7, 4, 5)
     assert (stage.channels, stage.requires, stage.remember(Frame())) == (0, frozenset(), ())
     assert stage.append(inputs, Frame()) is inputs

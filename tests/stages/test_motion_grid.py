@@ -6,7 +6,7 @@ from supersampling.stages.motion_grid import BilinearMotion, FrontmostOfBlock
 
 
 def frontmost_by_loops(motion, depth, scale, block):
-    """Straight from section 4.1, pixel by pixel at target resolution."""
+    """Return the motion of section 4.1, pixel by pixel at target resolution."""
     b, _, h, w = motion.shape
     height, width = h * scale, w * scale
     result = torch.empty(b, 2, height, width, dtype=motion.dtype)
@@ -43,7 +43,7 @@ def test_of_equal_depths_the_first_wins():
 
 
 @pytest.mark.parametrize("stage", [FrontmostOfBlock(8), BilinearMotion()])
-def test_one_motion_stays_that_motion(stage):
+def test_uniform_motion_stays_uniform(stage):
     motion = torch.tensor([0.25, -0.5]).view(1, 2, 1, 1).expand(2, 2, 5, 3)
     grid = stage(motion, torch.rand(2, 1, 5, 3), 3)
     torch.testing.assert_close(grid, motion[..., :1, :1].expand(2, 2, 15, 9))
@@ -72,6 +72,6 @@ def test_without_dilation_motion_is_interpolated_between_pixel_centres():
             torch.testing.assert_close(grid[0, :, i, j], expected)
 
 
-def test_an_impossible_block_is_refused():
-    with pytest.raises(UserError, match="got 0"):
+def test_invalid_block_raises():
+    with pytest.raises(UserError, match=r"Invalid motion_grid\.block=0: use at least 1"):
         FrontmostOfBlock(0)

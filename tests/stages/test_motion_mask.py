@@ -12,7 +12,7 @@ def frame(h=4, w=6, **vectors):
     return Frame(motion=vectors.get("motion", zero), motion_dual=vectors.get("dual", zero))
 
 
-def test_the_mask_is_the_last_channel_and_the_warped_ones_stay():
+def test_mask_is_appended_to_the_warped_channels():
     dual = torch.zeros(1, 2, 4, 6)
     dual[0, 1, 2, 3] = 0.2 / 4
     stage, warped = DualMotionMask(), torch.rand(1, 7, 4, 6)
@@ -23,7 +23,7 @@ def test_the_mask_is_the_last_channel_and_the_warped_ones_stay():
 
 
 def test_what_was_hidden_a_frame_ago_is_unreliable_two_frames_back():
-    """Seen first: a still frame with a pixel at column 2 that was hidden; then everything moves by one pixel."""
+    """First a still frame in which the pixel at column 2 was hidden before; then everything moves by one pixel."""
     stage, dual = DualMotionMask(), torch.zeros(1, 2, 1, 6)
     dual[0, 0, 0, 2] = 1 / 6
     earlier = chain(stage.vectors(frame(1, 6, dual=dual)), ())
@@ -34,7 +34,7 @@ def test_what_was_hidden_a_frame_ago_is_unreliable_two_frames_back():
     assert masks == [[0.0] * 6, [0.0, 0.0, 0.0, 1.0, 0.0, 0.0]]
 
 
-def test_off_reads_no_dual_motion_and_adds_nothing():
+def test_none_reads_no_dual_motion_and_adds_nothing():
     stage, warped = NoMotionMask(), torch.rand(1, 7, 4, 6)
     assert stage.requires == {"motion"}
     vectors = stage.vectors(Frame(motion=torch.rand(1, 2, 4, 6)))
@@ -43,6 +43,6 @@ def test_off_reads_no_dual_motion_and_adds_nothing():
 
 
 @pytest.mark.parametrize("threshold", [0.0, -1.0, float("nan")])
-def test_a_threshold_has_to_be_positive(threshold):
-    with pytest.raises(UserError, match=r"motion_mask\.threshold must be above 0"):
+def test_threshold_must_be_positive(threshold):
+    with pytest.raises(UserError, match=r"Invalid motion_mask\.threshold=.*: use a positive number"):
         DualMotionMask(threshold)

@@ -20,7 +20,7 @@ def rectify_by_loops(history, color, into, back, clip):
             low, high, mean = near.min(1).values, near.max(1).values, near.mean(1)
             old = history[:, i, j]
             if clip:
-                # Bisect for the last point of the line from the mean that is still in the box.
+                # Bisect for the last point on the line from the mean that is still in the box.
                 inside, beyond = 0.0, 1.0
                 if ((old >= low) & (old <= high)).all():
                     inside = 1.0

@@ -20,7 +20,7 @@ def test_convlstm_is_its_equations():
     lstm = ConvLSTM(3, 2).double()
     x, hidden, cell = numbers(2, 3, 4, 5), numbers(2, 2, 4, 5), numbers(2, 2, 4, 5)
     with torch.no_grad():
-        got_hidden, got_cell = lstm(x, hidden, cell)
+        actual_hidden, actual_cell = lstm(x, hidden, cell)
         gates = F.conv2d(torch.cat((x, hidden), 1), lstm.gates.weight, lstm.gates.bias, padding=1)
     for n in range(2):
         for c in range(2):
@@ -28,9 +28,9 @@ def test_convlstm_is_its_equations():
                 for j in range(5):
                     write, keep, show, value = (gates[n, 2 * k + c, i, j].item() for k in range(4))
                     new = sigmoid(keep) * cell[n, c, i, j].item() + sigmoid(write) * math.tanh(value)
-                    assert got_cell[n, c, i, j].item() == pytest.approx(new, abs=1e-12)
+                    assert actual_cell[n, c, i, j].item() == pytest.approx(new, abs=1e-12)
                     shown = sigmoid(show) * math.tanh(new)
-                    assert got_hidden[n, c, i, j].item() == pytest.approx(shown, abs=1e-12)
+                    assert actual_hidden[n, c, i, j].item() == pytest.approx(shown, abs=1e-12)
 
 
 def stage(cls):
@@ -39,8 +39,8 @@ def stage(cls):
 
 
 def test_the_previous_output_arrives_warped_and_in_low_resolution_channels():
-    recur, seen = stage(Recurrent), []
-    recur.first.register_forward_hook(lambda module, args, out: seen.append(args[0]))
+    recur, inputs = stage(Recurrent), []
+    recur.first.register_forward_hook(lambda module, args, out: inputs.append(args[0]))
     output = numbers(1, 3, 8, 12)
     motion = torch.zeros(1, 2, 8, 12, dtype=torch.float64)
     motion[:, 0] = 4 / 12
@@ -49,8 +49,8 @@ def test_the_previous_output_arrives_warped_and_in_low_resolution_channels():
         for i in range(8):
             for j in range(8):
                 place = 4 * channel + 2 * (i % 2) + j % 2
-                got = seen[0][0, place, i // 2, j // 2]
-                torch.testing.assert_close(got, output[0, channel, i, j + 4])
+                actual = inputs[0][0, place, i // 2, j // 2]
+                torch.testing.assert_close(actual, output[0, channel, i, j + 4])
 
 
 def test_a_clip_begins_with_zeros():
@@ -79,7 +79,7 @@ def test_gradients_of_the_step():
     assert torch.autograd.gradcheck(step, leaves)
 
 
-def test_off_keeps_nothing_and_has_no_weights_of_the_lstm():
+def test_none_keeps_nothing_and_has_no_lstm_weights():
     recur, shallow = stage(NotRecurrent), numbers(1, 3, 4, 6)
     features, memory = recur(shallow, torch.zeros(1, 2, 8, 12), ())
     expected = F.conv2d(shallow, recur.first.weight, recur.first.bias, padding=1).clamp_min(0.0)
@@ -97,13 +97,13 @@ def test_the_cell_keeps_its_precision_under_autocast():
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 @pytest.mark.parametrize("part", range(3))
-def test_nothing_that_is_not_finite_is_taken_over(value, part):
-    """Output, hidden or cell: what is not finite counts as 0."""
+def test_values_that_are_not_finite_are_not_carried(value, part):
+    """In output, hidden state or cell, values that are not finite count as 0."""
     stage = Recurrent(channels=4, width=3, scale=2).double()
     shallow, motion = numbers(1, 4, 3, 5), torch.zeros(1, 2, 6, 10, dtype=torch.float64)
     carried = [numbers(1, 3, 6, 10), numbers(1, 3, 3, 5), numbers(1, 3, 3, 5)]
     spoiled, zeroed = [t.clone() for t in carried], [t.clone() for t in carried]
     spoiled[part][0, 1, 2, 3], zeroed[part][0, 1, 2, 3] = value, 0.0
-    got, expected = (stage(shallow, motion, tuple(c)) for c in (spoiled, zeroed))
-    assert torch.equal(got[0], expected[0])
-    assert torch.equal(got[1][1], expected[1][1])
+    actual, expected = (stage(shallow, motion, tuple(c)) for c in (spoiled, zeroed))
+    assert torch.equal(actual[0], expected[0])
+    assert torch.equal(actual[1][1], expected[1][1])

@@ -55,7 +55,7 @@ def test_equals_the_loops_for_any_motion(name, height, width):
 
 @pytest.mark.parametrize("name", OPTIONS)
 @pytest.mark.parametrize(("height", "width"), [(1, 1), (9, 17), (270, 481)])
-def test_zero_motion_is_the_identity_to_the_bit(name, height, width):
+def test_zero_motion_is_the_exact_identity(name, height, width):
     history = torch.rand(2, 4, height, width)
     assert torch.equal(OPTIONS[name](history, torch.zeros(2, 2, height, width)), history)
 
@@ -69,6 +69,6 @@ def test_gradient_reaches_the_history_through_still_and_moving_pixels(name):
 
 
 @pytest.mark.parametrize("option", [Bicubic5, Bicubic9])
-def test_an_odd_kernel_parameter_is_refused(option):
+def test_invalid_kernel_parameter_raises(option):
     with pytest.raises(UserError, match=r"0\.75"):
         option(0.75)

@@ -7,14 +7,14 @@ from supersampling.stages.reweight import LearnedWeights, NoReweighting
 
 
 @torch.no_grad()
-def test_every_channel_of_a_frame_is_multiplied_by_that_frame_s_weight():
-    """Section 3.2.3, pixel by pixel, from colour and depth alone."""
+def test_each_channel_is_multiplied_by_the_weight_of_its_frame():
+    """Section 3.2.3, pixel by pixel, from colour and depth only."""
     torch.manual_seed(0)
     stage = LearnedWeights(2, width=5).double()
     current, past = torch.rand(1, 7, 4, 5).double(), torch.rand(1, 2, 7, 4, 5).double()
-    seen = torch.cat((current[:, :4], past[:, 0, :4], past[:, 1, :4]), 1)
+    rgbd = torch.cat((current[:, :4], past[:, 0, :4], past[:, 1, :4]), 1)
     first, second, third = stage.network[::2]
-    x = F.conv2d(seen, first.weight, first.bias, padding=1).clamp_min(0)
+    x = F.conv2d(rgbd, first.weight, first.bias, padding=1).clamp_min(0)
     x = F.conv2d(x, second.weight, second.bias, padding=1).clamp_min(0)
     x = F.conv2d(x, third.weight, third.bias, padding=1)[0]
     out = stage(current, past)
@@ -58,12 +58,12 @@ def test_gradients():
     assert torch.autograd.gradcheck(stage, inputs)
 
 
-def test_off_hands_the_frames_on_and_has_no_parameters():
+def test_none_returns_the_frames_and_has_no_parameters():
     stage, past = NoReweighting(2), torch.rand(1, 2, 12, 3, 3)
     assert stage(torch.rand(1, 12, 3, 3), past) is past
     assert not list(stage.parameters())
 
 
-def test_a_limit_of_zero_is_refused():
-    with pytest.raises(UserError, match=r"model\.reweight\.limit must be above 0, got 0"):
+def test_limit_of_zero_raises():
+    with pytest.raises(UserError, match=r"Invalid model\.reweight\.limit=0: use a positive number"):
         LearnedWeights(2, limit=0)

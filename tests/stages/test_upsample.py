@@ -21,7 +21,7 @@ def test_zero_upsampling_puts_samples_where_they_were_taken(scale):
 
 
 @pytest.mark.parametrize("scale", [2, 3, 4])
-def test_bilinear_upsampling_gives_a_plane_back(scale):
+def test_bilinear_upsampling_reproduces_a_plane(scale):
     h, w, jitter = 5, 6, torch.tensor([[0.25, -0.4]], dtype=torch.float64)
     y = torch.arange(h, dtype=torch.float64)[:, None] + 0.5 + jitter[0, 1]
     x = torch.arange(w, dtype=torch.float64) + 0.5 + jitter[0, 0]

@@ -1,4 +1,4 @@
-"""Both resolutions against a bilinear warp written as a loop, and where theory says that the two are one."""
+"""Both resolutions against a bilinear warp written as a loop, and where theory says that they agree."""
 
 import math
 
@@ -11,8 +11,8 @@ from supersampling.stages.warp_at import LowResolution, TargetResolution
 STAGES = [TargetResolution(), LowResolution()]
 
 
-def looked_up(image, x, y):
-    """``image (C, H, W)`` at a position in pixels; the border is repeated, beyond the image is nothing."""
+def look_up(image, x, y):
+    """Return ``image (C, H, W)`` at a position in pixels; the border is repeated, and zero lies outside the image."""
     _, height, width = image.shape
     if not (0 <= x <= width and 0 <= y <= height):
         return torch.zeros_like(image[:, 0, 0])
@@ -28,26 +28,26 @@ def looked_up(image, x, y):
     )
 
 
-def warped(image, motion):
-    """``image (C, H, W)`` by ``motion (2, H, W)`` in image units."""
+def warp_by_loops(image, motion):
+    """Warp ``image (C, H, W)`` by ``motion (2, H, W)`` in units of the image."""
     _, height, width = image.shape
     out = torch.zeros_like(image)
     for i in range(height):
         for j in range(width):
             x = j + 0.5 + float(motion[0, i, j]) * width
             y = i + 0.5 + float(motion[1, i, j]) * height
-            out[:, i, j] = looked_up(image, x, y)
+            out[:, i, j] = look_up(image, x, y)
     return out
 
 
-def enlarged(motion, scale):
-    """Bilinear upsampling of ``(2, h, w)``, borders repeated."""
+def enlarge(motion, scale):
+    """Upsample ``(2, h, w)`` bilinearly, with borders repeated."""
     _, h, w = motion.shape
     out = torch.zeros(2, h * scale, w * scale, dtype=motion.dtype)
     for i in range(h * scale):
         for j in range(w * scale):
             y, x = (i + 0.5) / scale, (j + 0.5) / scale
-            out[:, i, j] = looked_up(motion, x, y)
+            out[:, i, j] = look_up(motion, x, y)
     return out
 
 
@@ -66,7 +66,7 @@ def test_target_resolution_is_upsample_then_warp(upsample):
     window = stage.enter(features, jitter, 3, upsample)
     out = stage.leave(stage(stage.keep(window, jitter), motion, jitter), jitter, 3, upsample)
     for n in range(2):
-        expected = warped(upsample(features, jitter, 3)[n], enlarged(motion[n], 3))
+        expected = warp_by_loops(upsample(features, jitter, 3)[n], enlarge(motion[n], 3))
         torch.testing.assert_close(out[n], expected, rtol=0, atol=1e-11)
     came_from_outside = (out == 0).all(dim=1)
     assert 0 < came_from_outside.sum() < came_from_outside.numel()
@@ -82,12 +82,12 @@ def test_low_resolution_is_warp_then_upsample(upsample):
     size = torch.tensor([5.0, 4.0], dtype=torch.float64)
     for n in range(2):
         moved = motion[n] + ((jitter - previous)[n] / size)[:, None, None]
-        expected = upsample(warped(features[n], moved)[None], jitter[n : n + 1], 3)[0]
+        expected = upsample(warp_by_loops(features[n], moved)[None], jitter[n : n + 1], 3)[0]
         torch.testing.assert_close(out[n], expected, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize(("stage", "scale"), [(TargetResolution(), 3), (LowResolution(), 1)])
-def test_zero_motion_is_the_identity_to_the_bit(stage, scale):
+def test_zero_motion_is_the_exact_identity(stage, scale):
     window = torch.rand(2, 7, 9 * scale, 11 * scale)
     jitter = torch.rand(2, 2) - 0.5
     assert torch.equal(stage(stage.keep(window, jitter), torch.zeros(2, 2, 9, 11), jitter), window)
@@ -107,7 +107,7 @@ def test_at_low_resolution_a_still_plane_follows_the_change_of_jitter():
     torch.testing.assert_close(out[..., 1:-1, 1:-1], sampled(now)[..., 1:-1, 1:-1], rtol=0, atol=1e-12)
 
 
-def test_whole_pixels_of_low_resolution_are_one_to_both():
+def test_both_resolutions_agree_on_motion_by_whole_pixels():
     features, _, jitter = buffers(h=6, w=8)
     motion = torch.zeros(2, 2, 6, 8, dtype=torch.float64)
     motion[:, 0], motion[:, 1] = 2.0 / 8, -1.0 / 6

@@ -100,7 +100,7 @@ def _score_clip(
                 whole.add(moment)
             last = t == length - 1
             of_clip = whole.finish() if last else {}
-            pictures = model.pictured(state) if last else {}
+            pictures = model.state_images(state) if last else {}
             previous = (output, target)
             yield ScoredFrame(
                 clips.name(index),

@@ -1,12 +1,13 @@
-"""What every upsampling method is: a recurrent step that says which buffers it reads."""
+"""The interface of every upsampling method: a recurrent step that declares which buffers it reads."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, final
 
 from torch import Tensor, nn
 
 from supersampling.frames import Frame
+from supersampling.stages.gate import Gate
 
 State = TypeVar("State")
 
@@ -14,42 +15,53 @@ State = TypeVar("State")
 class Upsampler(nn.Module, ABC, Generic[State]):
     """A recurrent step ``forward(frame, state) -> (output, state)``.
 
-    ``output`` is ``(B, 3, scale * h, scale * w)`` in the method's own domain: display-referred colour in [0, 1] unless it
-    says otherwise by `reference` and `present`. ``state`` is ``None`` on a clip's first frame and belongs to the model: callers
-    hand it back unread. What is not finite in a frame is mended before a model sees it (`Frame.repair`); a model whose state
-    would keep what is not finite for ever mends that itself. ``requires`` names the buffers that are read,
-    ``compares`` those that a training's `reference` is made of.
+    ``output`` is ``(B, 3, scale * h, scale * w)`` in the method's own domain: display-referred colour in [0, 1], unless
+    `reference` and `present` are overridden. ``state`` is ``None`` on a clip's first frame and belongs to the model:
+    callers pass it back without reading it.
+
+    Callers use ``model(frame, state)`` and `advance`; both replace values that are not finite (`Frame.repair`) before
+    `forward` or `forward_state` sees the frame. A model whose state would keep such a value for ever repairs its state
+    itself.
+
+    ``requires`` names the buffers that are read, ``compares`` those from which `reference` is computed in training.
+    ``extremes`` are the gates that stress tests hold open or shut; stages declare theirs in the same way.
     """
 
     scale: int
     requires: frozenset[str]
     compares: frozenset[str] = frozenset({"target"})
+    extremes: tuple[Gate, ...] = ()
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
-        """What outputs are compared with in training, ``(B, T, 3, H, W)``, of a clip's ``compares`` buffers."""
+        """Return what outputs are compared with in training, ``(B, T, 3, H, W)``, from ``compares`` buffers."""
         return clip["target"]
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
-        """The display-referred image ``(B, 3, H, W)`` in [0, 1] of an output of this ``frame``."""
+        """Return the display-referred image ``(B, 3, H, W)`` in [0, 1] of an output for this ``frame``."""
         return output
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
-        """The linear radiance ``(B, 3, H, W)`` of an output; None of a method that knows display colours alone."""
+        """Return the linear radiance ``(B, 3, H, W)`` of an output; None if only display colours are known."""
         return None
 
-    def pictured(self, state: State) -> Mapping[str, Tensor]:
-        """What of a state is worth looking at: images ``(B, 1, H, W)`` in [0, 1], by name."""
+    def state_images(self, state: State) -> Mapping[str, Tensor]:
+        """Return the parts of a state that are worth looking at: images ``(B, 1, H, W)`` in [0, 1], by name."""
         return {}
 
     @abstractmethod
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]: ...
 
-    def advance(self, frame: Frame, state: State | None) -> State:
-        """The state alone, as ``forward`` gives it, for a frame whose output nobody asks for.
+    def forward_state(self, frame: Frame, state: State | None) -> State:
+        """Return the new state only, equal to that of `forward`.
 
-        A method whose state does not depend on its output leaves out here what only the output needs.
+        Override this where the state does not depend on the output, to leave out what only the output needs.
         """
-        return self(frame, state)[1]
+        return super().__call__(frame, state)[1]
+
+    @final
+    def advance(self, frame: Frame, state: State | None) -> State:
+        """Return the new state only, for a frame whose output is not used."""
+        return self.forward_state(frame.repair(), state)
 
     def __call__(self, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         result: Any = super().__call__(frame.repair(), state)

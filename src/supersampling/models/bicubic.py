@@ -1,4 +1,4 @@
-"""Bicubic upsampling of the current frame alone."""
+"""Bicubic upsampling of the current frame only."""
 
 from typing import final
 
@@ -12,7 +12,7 @@ from supersampling.ops.resample import check_scale
 
 @final
 class Bicubic(Upsampler[None]):
-    """PyTorch's bicubic interpolation (``a = -0.75``), blind to jitter."""
+    """PyTorch's bicubic interpolation (``a = -0.75``), which ignores jitter."""
 
     requires = frozenset({"color"})
 
@@ -21,6 +21,5 @@ class Bicubic(Upsampler[None]):
         self.scale = check_scale(scale)
 
     def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        assert frame.color is not None
-        output = F.interpolate(frame.color, scale_factor=self.scale, mode="bicubic", align_corners=False)
+        output = F.interpolate(frame.need("color"), scale_factor=self.scale, mode="bicubic", align_corners=False)
         return output.clamp(0.0, 1.0), None

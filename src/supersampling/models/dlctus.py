@@ -1,5 +1,4 @@
-"""DLCTUS: a network controls history rectification and accumulation (Swensen 2021, chapter 4 and appendix
-A.1)."""
+"""DLCTUS: a network controls history rectification and accumulation (Swensen 2021, chapter 4 and appendix A.1)."""
 
 import copy
 from abc import ABC
@@ -15,6 +14,7 @@ from supersampling.ops.resample import check_scale, jitter_aligned_upsample, ups
 from supersampling.stages.accumulate import Accumulate
 from supersampling.stages.confine import Confine
 from supersampling.stages.dilate import Dilate
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 from supersampling.stages.initialise import Initialise
 from supersampling.stages.pad import Pad
 from supersampling.stages.reproject import Reproject
@@ -24,16 +24,16 @@ WIDTH = 2 * STRIDE**2  # so that the pixel shuffle leaves the two outputs o1 and
 
 
 def pad_to_blocks(x: Tensor) -> Tensor:
-    """``(B, C, H, W)`` with the last row and column repeated until 4 divides both sides."""
+    """Repeat the last row and column of ``(B, C, H, W)`` until 4 divides both sides."""
     below, right = -x.shape[-2] % STRIDE, -x.shape[-1] % STRIDE
     return F.pad(x, (0, right, 0, below), mode="replicate") if below or right else x
 
 
 class Trunk(nn.Module):
-    """The network of figure 5: ``(B, C, H, W) -> (B, 2, H, W)``, any size from 1x1 up; at C = 8 it has 78,112
-    parameters.
+    """The network of figure 5: ``(B, C, H, W) -> (B, 2, H, W)``, of any size; 78,112 parameters at C = 8.
 
-    A size that is no multiple of 4 is padded by repeating the last row and column, and the output cropped.
+    An input whose size is not a multiple of 4 is padded by repeating the last row and column, and the output is
+    cropped.
     """
 
     def __init__(self, channels: int) -> None:
@@ -56,15 +56,14 @@ class Trunk(nn.Module):
         return F.pixel_shuffle(x, STRIDE)[..., :height, :width]
 
     def output_layers(self) -> list[nn.Conv2d]:
-        """The last convolution of every residual block: with ``down``, the layers whose sum is the output."""
+        """Return the last convolution of every residual block: with ``down``, the layers whose sum is the output."""
         return [block[-1] for block in self.blocks]  # type: ignore[index]
 
 
 class Blending(Upsampler[Tensor], ABC):
-    """All of DLCTUS but its network: what the plain form and the one for inference have in common.
+    """DLCTUS without its network: the common part of the plain form and of the one for inference.
 
-    The state is the history ``(B, C, H, W)``: colour and, with an accumulation buffer, a fourth channel in
-    [0, 1].
+    The state is the history ``(B, C, H, W)``: colour and, with an accumulation buffer, a fourth channel in [0, 1].
     """
 
     def __init__(
@@ -83,35 +82,41 @@ class Blending(Upsampler[Tensor], ABC):
         self.requires = frozenset({"color", "depth", "jitter", "motion"}) | dilate.requires
 
     def samples(self, frame: Frame) -> tuple[Tensor, Tensor]:
-        """What is zero-upsampled (4.1.1): colour and depth ``(B, 4, h, w)``, and their jitter ``(B, 2)``."""
-        assert frame.color is not None
-        assert frame.depth is not None
-        assert frame.jitter is not None
-        return torch.cat((frame.color, frame.depth), dim=1), frame.jitter
+        """Return the input of zero upsampling (4.1.1): colour and depth ``(B, 4, h, w)``, and jitter ``(B, 2)``."""
+        color, depth, jitter = frame.need("color", "depth", "jitter")
+        return torch.cat((color, depth), dim=1), jitter
 
     def prepare(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
-        """The jitter-aligned input and the reprojected, padded history (4.1.1, 4.1.2): ``(B, C, H, W)`` both."""
-        assert frame.color is not None
-        assert frame.jitter is not None
-        assert frame.motion is not None
-        # Interpolated ones are ones, so the buffer's channel is appended afterwards.
-        aligned = self.accumulate.append(jitter_aligned_upsample(frame.color, frame.jitter, self.scale))
+        """Return the jitter-aligned input and the reprojected, padded history, both ``(B, C, H, W)`` (4.1.1, 4.1.2)."""
+        color, jitter, motion = frame.need("color", "jitter", "motion")
+        # The buffer's channel is 1 everywhere, and interpolated ones are ones, so it is appended afterwards.
+        aligned = self.accumulate.append(jitter_aligned_upsample(color, jitter, self.scale))
         if state is None:
             return aligned, aligned
         height, width = aligned.shape[-2:]
-        motion = upsample_motion(self.dilate(frame.motion, frame.depth), (height, width))
+        motion = upsample_motion(self.dilate(motion, frame.depth), (height, width))
         return aligned, self.pad(self.reproject(state, motion), aligned, motion)
 
     def construct(self, aligned: Tensor, history: Tensor, predicted: Tensor) -> Tensor:
-        """The new history (4.1.4), ``(B, C, ...)`` like the one before; ``predicted (B, 2, ...)`` is the network's output.
+        """Return the new history (4.1.4), ``(B, C, ...)`` like the old one, from the network's output ``(B, 2, ...)``.
 
-        It stays in full precision under autocast: what is lost here adds up over frames.
+        It stays in full precision under autocast, because rounding errors would add up over frames.
         """
         o1, o2 = self.confine(predicted.to(history.dtype)).split(1, dim=1)
         return self.accumulate(torch.lerp(history, aligned, o1), o2).clamp(0.0, 1.0)
 
-    def pictured(self, state: Tensor) -> dict[str, Tensor]:
-        return self.accumulate.pictured(state)
+    def state_images(self, state: Tensor) -> dict[str, Tensor]:
+        return self.accumulate.state_images(state)
+
+
+def _bias_of_o1(model: "DLCTUS") -> Tensor | None:
+    bias = model.network.output_layers()[-1].bias
+    return None if bias is None else bias[: STRIDE**2]
+
+
+def _bias_of_o2(model: "DLCTUS") -> Tensor | None:
+    bias = model.network.output_layers()[-1].bias
+    return None if bias is None else bias[STRIDE**2 :]
 
 
 @final
@@ -125,6 +130,15 @@ class DLCTUS(Blending):
         reproject, dilate, pad, accumulate, confine: stages.
         initialise: called once on the new network.
     """
+
+    extremes = (
+        Gate("gate/o1 0", "DLCTUS: nothing of the input is blended in.", bias_at(SHUT, _bias_of_o1)),
+        Gate("gate/o1 1", "DLCTUS: nothing of the history is kept.", bias_at(OPEN, _bias_of_o1)),
+        Gate("gate/accumulation 0", "DLCTUS: o2 is 0, the accumulation buffer is emptied.", bias_at(SHUT, _bias_of_o2)),
+        Gate(
+            "gate/accumulation 1", "DLCTUS: o2 is 1, the accumulation buffer never decays.", bias_at(OPEN, _bias_of_o2)
+        ),
+    )
 
     def __init__(
         self,
@@ -147,21 +161,22 @@ class DLCTUS(Blending):
         return history[:, :3], history
 
     def for_inference(self) -> "DLCTUSForInference":
-        """A copy with the thesis's two rewrites (4.4.4): the same outputs and states to rounding."""
+        """Return a copy with the thesis's two rewrites (4.4.4): the same outputs and states up to rounding."""
         return DLCTUSForInference(self)
 
 
 @final
 class DLCTUSForInference(Blending):
-    """DLCTUS as the thesis deploys it (4.4.4); its outputs and states are those of the plain form to rounding.
+    """DLCTUS as the thesis deploys it (4.4.4); its outputs and states equal those of the plain form up to rounding.
 
-    Optimisation 1: no pixel shuffle. Output construction reads the network's 32 channels where they are, as a view.
-    Optimisation 2: the 4x4 convolution of stride 4 is a space-to-depth and a 1x1 convolution with the same weights. The
-    reordering takes no pass of its own: input preparation writes the network's input in that order. The thesis then has
-    to shuffle the history back for output construction, which is spared here by keeping it in image order, too.
+    Optimisation 1: no pixel shuffle. Output construction reads the network's 32 channels in place, as a view.
+    Optimisation 2: the 4x4 convolution of stride 4 becomes a space-to-depth and a 1x1 convolution with the same
+    weights. The reordering takes no separate pass: input preparation writes the network's input in that order. The
+    thesis then has to shuffle the history back for output construction; here it is also kept in image order, which
+    avoids that.
 
     Args:
-        model: what is copied.
+        model: the plain form, which is copied.
     """
 
     def __init__(self, model: DLCTUS) -> None:
@@ -201,27 +216,27 @@ class DLCTUSForInference(Blending):
 
 
 def in_blocks(image: Tensor) -> Tensor:
-    """A view ``(B, C, H / 4, 4, W / 4, 4)`` of an image ``(B, C, H, W)``."""
+    """Return a view ``(B, C, H / 4, 4, W / 4, 4)`` of an image ``(B, C, H, W)``."""
     return image.unflatten(3, (-1, STRIDE)).unflatten(2, (-1, STRIDE))
 
 
 def space_to_depth(blocks: Tensor) -> Tensor:
-    """A view ``(B, C, 4, 4, H / 4, W / 4)`` of ``(B, C, H / 4, 4, W / 4, 4)``."""
+    """Return a view ``(B, C, 4, 4, H / 4, W / 4)`` of ``(B, C, H / 4, 4, W / 4, 4)``."""
     return blocks.permute(0, 1, 3, 5, 2, 4)
 
 
 def depth_to_space(blocks: Tensor) -> Tensor:
-    """A view ``(B, C, H / 4, 4, W / 4, 4)`` of ``(B, C, 4, 4, H / 4, W / 4)``."""
+    """Return a view ``(B, C, H / 4, 4, W / 4, 4)`` of ``(B, C, 4, 4, H / 4, W / 4)``."""
     return blocks.permute(0, 1, 4, 2, 5, 3)
 
 
 def sparse_blocks(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
-    """`zero_upsample` of ``(B, C, h, w)``, padded and in space-to-depth order: ``(B, C, 4, 4, H / 4, W / 4)``.
+    """Return `zero_upsample` of ``(B, C, h, w)``, padded, in space-to-depth order: ``(B, C, 4, 4, H / 4, W / 4)``.
 
-    At the thesis's scales, 2 and 4, a block holds whole low-resolution pixels, and is written in that order at once.
+    At the thesis's scales, 2 and 4, a block holds whole low-resolution pixels, and is written in that order directly.
     """
     b, _, h, w = image.shape
-    pixels = STRIDE // scale  # of a block, on each axis
+    pixels = STRIDE // scale  # per block, on each axis
     if STRIDE % scale or h % pixels or w % pixels:
         return space_to_depth(in_blocks(pad_to_blocks(zero_upsample(image, jitter, scale))))
     hit = zero_upsample(image.new_ones(b, 1, 1, 1), jitter, scale) > 0.0  # (B, 1, s, s)

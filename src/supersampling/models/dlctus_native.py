@@ -1,4 +1,4 @@
-"""DLCTUS on a processor, a frame in eleven passes of C++ (Swensen 2021, chapter 4)."""
+"""DLCTUS on a processor, in eleven passes of C++ per frame (Swensen 2021, chapter 4)."""
 
 import copy
 from typing import final
@@ -23,20 +23,21 @@ SCALES = (1, 2, 4)  # a block holds whole low-resolution pixels
 
 @final
 class DLCTUSNative(Upsampler[Tensor]):
-    """The published composition, any dilation, in float32, one clip at a time, without gradients; equal to rounding.
+    """The published composition, with any dilation, in float32; equal to the plain form up to rounding.
 
-    Over PyTorch's operations it spares the passes over the target resolution: history is reprojected straight into the order that
-    the first convolution reads, the jitter-aligned and the zero-upsampled input are never written down, of the latter's weights
-    only those are used that meet a sample, and the residual blocks' convolutions are Winograd's with bias, ReLU, sum and the
-    borders' repetition inside. The state ``(1, 4, H, W)`` and the output lie channels last in memory.
+    It runs one clip at a time, without gradients. Compared with PyTorch's operations it saves passes over the target
+    resolution: the history is reprojected directly into the order that the first convolution reads; the jitter-aligned
+    and the zero-upsampled input are never stored, and of the latter's weights only those that meet a sample are used;
+    the residual blocks' convolutions are Winograd's, with bias, ReLU, sum and the repetition of borders fused in. The
+    state ``(1, 4, H, W)`` and the output are channels-last in memory.
 
-    A state that is not finite is dropped as a whole, where the plain form gives up its broken pixels alone.
+    A state that is not finite is dropped as a whole; the plain form drops only the pixels that are not finite.
 
     Args:
-        model: what is copied.
+        model: the plain form, which is copied.
 
     Raises:
-        UserError: another composition or scale, or there is no C++ compiler.
+        UserError: the composition or the scale is not supported, or there is no C++ compiler.
     """
 
     def __init__(self, model: DLCTUS) -> None:
@@ -45,19 +46,20 @@ class DLCTUSNative(Upsampler[Tensor]):
         for slot, stage in published.items():
             if not isinstance(getattr(model, slot), stage):
                 raise UserError(
-                    f"model/{slot}={type(getattr(model, slot)).__name__} does not run on the native backend, which has "
-                    f"{stage.__name__} alone: use another backend."
+                    f"{type(getattr(model, slot)).__name__} in model/{slot} does not run on the native backend, which "
+                    f"only has {stage.__name__}: use another backend."
                 )
         if isinstance(model.confine, Sigmoid) or model.scale not in SCALES:
             raise UserError(
-                f"The native backend has DLCTUS with a clamp at scale 1, 2 or 4, not {type(model.confine).__name__} at scale "
-                f"{model.scale}: use another backend."
+                f"The native backend only has DLCTUS with a clamp at scale 1, 2 or 4, not "
+                f"{type(model.confine).__name__} at scale {model.scale}: use another backend."
             )
         load_library()
         assert isinstance(model.reproject, Bicubic9)
         self.scale, self.requires, self.a = model.scale, model.requires, model.reproject.a
         self.dilate = copy.deepcopy(model.dilate)
-        down, layers = model.network.down, [block[k] for block in model.network.blocks for k in (0, 2)]  # type: ignore[index]
+        down = model.network.down
+        layers = [block[k] for block in model.network.blocks for k in (0, 2)]  # type: ignore[index]
         with torch.no_grad():
             self.weight = nn.Buffer(down.weight.permute(2, 3, 1, 0).float().cpu().contiguous())
             biases = [layer.bias for layer in (down, *layers)]
@@ -67,25 +69,22 @@ class DLCTUSNative(Upsampler[Tensor]):
 
     @torch.no_grad()
     def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
-        assert frame.color is not None
-        assert frame.depth is not None
-        assert frame.motion is not None
-        assert frame.jitter is not None
-        self._check(frame.color, state)
-        x_jitter, y_jitter = frame.jitter[0].tolist()
+        color, depth, motion, jitter = frame.need("color", "depth", "motion", "jitter")
+        self._check(color, state)
+        x_jitter, y_jitter = jitter[0].tolist()
         inputs = native.Inputs(
-            frame.color.contiguous(),
-            frame.depth.contiguous(),
-            self.dilate(frame.motion, frame.depth).contiguous(),
+            color.contiguous(),
+            depth.contiguous(),
+            self.dilate(motion, depth).contiguous(),
             (x_jitter, y_jitter),
             self.scale,
             self.a,
         )
         if state is not None:
-            # A history that is not finite somewhere is begun anew: the passes carry it on as it is.
+            # A history that is not finite somewhere is started again: the passes would keep such values.
             state = state.contiguous(memory_format=torch.channels_last) if state.sum().isfinite() else None
         blocks = native.prepare(inputs, state)
-        x = native.linear(blocks, self._weights(frame.jitter), self.bias[0])
+        x = native.linear(blocks, self._weights(jitter), self.bias[0])
         inner = torch.empty_like(x)
         for k in range(0, len(self.points), 2):
             native.convolve(x, self.points[k], self.bias[k + 1], None, inner)
@@ -97,22 +96,22 @@ class DLCTUSNative(Upsampler[Tensor]):
         b, _, h, w = color.shape
         if b != 1 or color.dtype != torch.float32 or color.device.type != "cpu":
             raise UserError(
-                f"The native backend takes one clip in float32 on the processor, not {b} in {color.dtype} on {color.device}: use "
-                "another backend."
+                f"The native backend takes one clip in float32 on the processor, not {b} in {color.dtype} on "
+                f"{color.device}: use another backend."
             )
         if h * self.scale % STRIDE or w * self.scale % STRIDE:
             raise UserError(
-                f"The native backend takes targets in multiples of {STRIDE}, not {w * self.scale}x{h * self.scale}: use another "
-                "backend."
+                f"The native backend takes targets in multiples of {STRIDE}, not {w * self.scale}x{h * self.scale}: "
+                "use another backend."
             )
         if state is not None and state.shape[-2:] != (h * self.scale, w * self.scale):
             raise UserError(
-                f"The history is {state.shape[-1]}x{state.shape[-2]}, the target {w * self.scale}x{h * self.scale}: begin a clip "
-                "without a state after a change of size."
+                f"The history is {state.shape[-1]}x{state.shape[-2]}, the target {w * self.scale}x{h * self.scale}: "
+                "start a clip without a state after a change of size."
             )
 
     def _weights(self, jitter: Tensor) -> Tensor:
-        """The first convolution ``(K, 32)``: the history's weights, and those of the places where samples are."""
+        """Return the first convolution ``(K, 32)``: the history's weights, and those of the positions with samples."""
         place = torch.floor((jitter[0] + 0.5) * self.scale + BOUNDARY).nan_to_num().clamp(0, self.scale - 1)
         column, row = place.int().tolist()
         history = self.weight[:, :, 4:].reshape(-1, WIDTH)

@@ -1,4 +1,4 @@
-"""ENSS: efficient neural supersampling (Mercier et al. 2023, "Efficient neural supersampling on a novel gaming dataset")."""
+"""ENSS (Mercier et al. 2023, "Efficient neural supersampling on a novel gaming dataset")."""
 
 import copy
 from collections.abc import Callable
@@ -14,6 +14,7 @@ from supersampling.models.base import Upsampler
 from supersampling.ops.resample import check_scale, jitter_aligned_upsample
 from supersampling.stages.confine import Confine
 from supersampling.stages.flow import Flow
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 from supersampling.stages.history import History
 from supersampling.stages.kernel_prediction import KernelPrediction, convolve
 from supersampling.stages.motion_grid import MotionGrid
@@ -25,15 +26,16 @@ RANDOM_PART = 0.3
 
 
 class Network(nn.Module):
-    """The bottom of figure 4: ``(B, inputs, h, w) -> (B, outputs, h, w)``, all at low resolution, any size from 1x1 up.
+    """The bottom of figure 4: ``(B, inputs, h, w) -> (B, outputs, h, w)``, all at low resolution, of any size.
 
-    A convolution, ``depth`` more of ``features`` channels, each with a ReLU, and a last one without. The first's and last's
-    kernels come from the jitter; their biases are learned.
+    A convolution, ``depth`` more of ``features`` channels, each followed by a ReLU, and a last one without. The kernels
+    of the first and of the last depend on the jitter; their biases are learned.
 
-    The paper names QuickSRNet (Berger et al. 2023) as what it builds on but no initialisation: it is that network's here, but
-    for the random part's size. To PyTorch's own kernels at 0.3 of their size identities are added, so that the first three inputs
-    pass to the first three outputs at all places of a block: training starts near nearest-neighbour upsampling of the colour. At
-    full size, the random part hid the colour, and 250 short steps ended 0.8 dB lower.
+    The paper says that it builds on QuickSRNet (Berger et al. 2023), but does not state the initialisation: here it is
+    that network's, except for the size of the random part. Identities are added to PyTorch's own kernels at 0.3 of
+    their size, so that the first three inputs pass to the first three outputs at all positions of a block: training
+    starts near nearest-neighbour upsampling of the colour. At full size, the random part hid the colour, and 250 short
+    steps ended 0.8 dB lower.
     """
 
     def __init__(
@@ -47,8 +49,8 @@ class Network(nn.Module):
             last.weight.mul_(RANDOM_PART)
             for conv in convs:
                 conv.weight.mul_(RANDOM_PART)
-                passed = range(min(conv.in_channels, features))
-                conv.weight[passed, passed, 1, 1] += 1.0
+                channels = range(min(conv.in_channels, features))
+                conv.weight[channels, channels, 1, 1] += 1.0
             for c in range(min(3, features)):
                 last.weight[c * block : (c + 1) * block, c, 1, 1] += 1.0
         first, *body = convs
@@ -68,24 +70,33 @@ class Network(nn.Module):
 
 @final
 class ENSS(Upsampler[tuple[Tensor, ...]]):
-    """A small network at low resolution blends its candidate with the reprojected previous output.
+    """A small network at low resolution, whose candidate is blended with the reprojected previous output.
 
-    The state is the history ``(B, 4, H, W)``, colour and one recurrent feature, and what `flow` remembers. S is f16-m1, M f32-m3,
-    L f64-m5 (section 5).
+    The state is the history ``(B, 4, H, W)``, colour and one recurrent feature, followed by what `flow` remembers. S is
+    f16-m1, M f32-m3, L f64-m5 (section 5).
 
-    Where the paper is silent: convolutions pad with zeros; the candidate is brought to [0, 1] by `confine`, as QuickSRNet clips;
-    the recurrent feature's activation is a tanh (only the mask's is named); the jitter enters as two constant planes in
-    low-resolution pixels (eq 2) beside choosing kernels; depth is the linear one of the data, 0 at the near plane, as in the
-    paper's; the history before the first frame is the jitter-aligned input, with features of 0; outside the previous image its
-    border is repeated; depth-to-space orders channels as `torch.nn.functional.pixel_shuffle`: colour, mask, feature.
+    Where the paper does not say: convolutions pad with zeros; the candidate is brought to [0, 1] by `confine`, as
+    QuickSRNet clips; the recurrent feature's activation is a tanh (only the mask's is named); the jitter is also an
+    input, as two constant planes in low-resolution pixels (eq 2); depth is the linear depth of the data, 0 at the near
+    plane, as in the paper's; the history before the first frame is the jitter-aligned input, with features of 0;
+    outside the previous image its border is repeated; depth-to-space orders channels as
+    `torch.nn.functional.pixel_shuffle`: colour, mask, feature.
 
     Args:
         scale: ``s``.
         features: ``f``, channels of the inner layers.
-        depth: ``m``, how many layers lie between first and last.
+        depth: ``m``, number of layers between the first and the last.
         flow, motion_grid, reproject, history, confine: stages.
-        kernel_prediction: makes the stage from the kernels that the first and last convolution start from.
+        kernel_prediction: called with the initial kernels of the first and of the last convolution, returns the stage.
     """
+
+    extremes = (
+        Gate("gate/mask 0", "ENSS: the candidate is not used.", bias_at(SHUT, lambda m: m.bias_of("mask"))),
+        Gate("gate/mask 1", "ENSS: the previous output is not used.", bias_at(OPEN, lambda m: m.bias_of("mask"))),
+        Gate(
+            "gate/feature 1", "ENSS: the recurrent feature at its bound.", bias_at(OPEN, lambda m: m.bias_of("feature"))
+        ),
+    )
 
     def __init__(
         self,
@@ -102,24 +113,21 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
         super().__init__()
         if features < 1 or depth < 0:
             raise UserError(
-                f"model.features must be 1 or more and model.depth 0 or more, got {features} and {depth}; the paper's M has "
-                "32 and 3."
+                f"Invalid model.features={features} with model.depth={depth}: use at least 1 feature and a depth of at "
+                "least 0; the paper's M has 32 and 3."
             )
         self.scale = check_scale(scale)
         self.flow, self.motion_grid, self.reproject = flow, motion_grid, reproject
         self.history, self.confine = history, confine
         inputs = GUIDES + history.carried * scale**2
-        planes = 3 + history.extra
+        planes = 3 + len(history.extra)
         self.network = Network(inputs, features, depth, scale**2, planes, kernel_prediction)
         self.requires = frozenset({"color", "depth", "jitter"})
         if history.carried:
             self.requires |= flow.requires
 
     def forward(self, frame: Frame, state: tuple[Tensor, ...] | None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        color, depth, jitter = frame.color, frame.depth, frame.jitter
-        assert color is not None
-        assert depth is not None
-        assert jitter is not None
+        color, depth, jitter = frame.need("color", "depth", "jitter")
         planes = jitter[..., None, None].expand(-1, -1, *color.shape[-2:])
         inputs = [color, depth, planes]
         previous = None
@@ -128,7 +136,7 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
             inputs.append(F.pixel_unshuffle(previous, self.scale))  # space-to-depth
 
         predicted = self.network(torch.cat(inputs, dim=1), jitter)  # eq 2
-        # Blending and history stay in full precision under autocast: what is lost there adds up over frames.
+        # Blending and history stay in full precision under autocast: rounding errors would add up over frames.
         predicted = F.pixel_shuffle(predicted.to(color.dtype), self.scale)
         output, carried = self.history(self.confine(predicted[:, :3]), predicted[:, 3:], previous)
         if not self.history.carried:
@@ -136,21 +144,25 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
         return output, (carried, *self.flow.remember(frame))
 
     def _previous(self, frame: Frame, state: tuple[Tensor, ...] | None) -> Tensor:
-        """The warping module (section 4.1): the history brought to this frame, ``(B, carried, H, W)``."""
-        assert frame.color is not None
-        assert frame.jitter is not None
-        assert frame.depth is not None
+        """Return the history warped to this frame, ``(B, carried, H, W)``: the warping module (section 4.1)."""
+        color, depth, jitter = frame.need("color", "depth", "jitter")
         if state is None:
-            return self.history.start(jitter_aligned_upsample(frame.color, frame.jitter, self.scale))
+            return self.history.start(jitter_aligned_upsample(color, jitter, self.scale))
         carried, *memory = state
         motion = self.flow(frame, tuple(memory))
         if motion is not None:
-            carried = self.reproject(carried, self.motion_grid(motion, frame.depth, self.scale))
-        # What is not finite would stay so through every blend.
+            carried = self.reproject(carried, self.motion_grid(motion, depth, self.scale))
+        # Values that are not finite would survive every blend.
         return torch.nan_to_num(carried, 0.0, 0.0, 0.0)
 
+    def bias_of(self, plane: str) -> Tensor | None:
+        """Return the last bias of a plane of `History.extra`, ``(scale**2,)``, or None if there is no such plane."""
+        if plane not in self.history.extra:
+            return None
+        block, first = self.scale**2, 3 + self.history.extra.index(plane)
+        return self.network.last_bias[first * block : (first + 1) * block]
+
     def with_precomputed_kernels(self, jitters: Tensor) -> "ENSS":
-        """A copy for inference, whose kernels are made beforehand for a jitter sequence ``(N, 2)`` (section 4.2), without the
-        MLP."""
+        """Return a copy for inference, with the kernels of a jitter sequence ``(N, 2)`` instead of the MLP (4.2)."""
         kernels = self.network.kernels
         return copy.deepcopy(self, {id(kernels): kernels.precompute(jitters)})

@@ -1,4 +1,4 @@
-"""JAU: jitter-aligned bilinear upsampling of the current frame alone (Swensen 2021, 4.1.1)."""
+"""JAU: jitter-aligned bilinear upsampling of the current frame only (Swensen 2021, 4.1.1)."""
 
 from typing import final
 
@@ -11,7 +11,7 @@ from supersampling.ops.resample import check_scale, jitter_aligned_upsample
 
 @final
 class JAU(Upsampler[None]):
-    """Bilinear upsampling that keeps every sample where it was taken."""
+    """Bilinear upsampling that keeps every sample at the position where it was taken."""
 
     requires = frozenset({"color", "jitter"})
 
@@ -20,7 +20,6 @@ class JAU(Upsampler[None]):
         self.scale = check_scale(scale)
 
     def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        assert frame.color is not None
-        assert frame.jitter is not None, "JAU reads jitter: see its requires"
-        # Interpolation of values in [0, 1] may leave it by a rounding step.
-        return jitter_aligned_upsample(frame.color, frame.jitter, self.scale).clamp(0.0, 1.0), None
+        color, jitter = frame.need("color", "jitter")
+        # Interpolation of values in [0, 1] may leave the range by a rounding step.
+        return jitter_aligned_upsample(color, jitter, self.scale).clamp(0.0, 1.0), None

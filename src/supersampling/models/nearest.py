@@ -1,4 +1,4 @@
-"""The raw rendering itself: every sample repeated over the target pixels that it covers."""
+"""The rendering itself: every sample repeated over the target pixels that it covers."""
 
 from typing import final
 
@@ -11,7 +11,7 @@ from supersampling.ops.resample import check_scale, repeat_upsample
 
 @final
 class Nearest(Upsampler[None]):
-    """What a method has to beat to be of any use: no filter, no history, blind to jitter."""
+    """The baseline that every useful method must beat: no filter, no history, no jitter."""
 
     requires = frozenset({"color"})
 
@@ -20,5 +20,4 @@ class Nearest(Upsampler[None]):
         self.scale = check_scale(scale)
 
     def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        assert frame.color is not None
-        return repeat_upsample(frame.color, self.scale), None
+        return repeat_upsample(frame.need("color"), self.scale), None

@@ -17,6 +17,7 @@ from supersampling.ops.resample import check_scale
 from supersampling.ops.warp import warp
 from supersampling.stages.base import Base
 from supersampling.stages.demodulate import Demodulate
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 from supersampling.stages.locate import Locate
 from supersampling.stages.motion_mask import MotionMask
 from supersampling.stages.recur import MakeRecur
@@ -26,11 +27,11 @@ FEATURES, WIDTH = 32, 64  # supplement, section 4.2
 
 
 class History(NamedTuple):
-    """What NSRD hands on to the next frame; all tensors are batch first.
+    """NSRD's state; all tensors are batch first.
 
-    ``inputs``: those of the latest frames, newest first, ``(B, 7, h, w)`` each, 9 with jitter. ``vectors``: from the latest
-    frame's pixels to those of the frames before it, ``(B, V, h, w)`` each, one fewer. ``carried``: the recurrent stage's.
-    ``located``: what `locate` remembers.
+    ``inputs``: those of the latest frames, newest first, ``(B, 7, h, w)`` each, 9 channels with jitter. ``vectors``:
+    from the latest frame's pixels to those of the frames before it, ``(B, V, h, w)`` each, one tensor fewer.
+    ``carried``: the recurrent stage's tensors. ``located``: the tensors that `locate` remembers.
     """
 
     inputs: tuple[Tensor, ...]
@@ -55,23 +56,29 @@ class Reconstruction(nn.Module):
 
 @final
 class NSRD(Upsampler[History]):
-    """Lighting, depth and normal of the current and the warped previous frames, and the previous output, to the lighting.
+    """A recurrent network that predicts the lighting.
 
-    The output is the lighting component, linear and unbounded, or without demodulation the radiance. Published widths and 2
-    previous frames give 1,610,788 parameters at 4x4 and 145.37 G multiply-accumulates at 480x270 (supplement, table 2, which
-    counts the gated convolution once a frame, and cuts digits off).
+    It reads lighting, depth and normal of the current and of the warped previous frames, and the previous output. The
+    output is the lighting component, linear and unbounded, or without demodulation the radiance. Published widths and 2
+    previous frames give 1,610,788 parameters at 4x4 and 145.37 G multiply-accumulates at 480x270 (supplement, table 2,
+    which counts the gated convolution once per frame, and truncates digits).
 
-    Where the paper is silent: previous positions outside the image read its border; frames before a clip's first are that
-    frame, standing still; no activation between the first convolutions and the ConvLSTM, nor between the last two; PyTorch's
-    initial weights.
+    Where the paper does not say: previous positions outside the image read its border; the first frame of a clip stands
+    in for those before it, without motion; there is no activation between the first convolutions and the ConvLSTM, nor
+    between the last two; weights start as PyTorch's.
 
     Args:
         scale: ``s``; the paper has 2, 4 and 6.
-        previous: how many previous frames are warped, from 1 up; the paper has 2.
+        previous: number of previous frames that are warped, at least 1; the paper has 2.
         demodulate, motion_mask: stages.
-        recur: makes the recurrent stage.
-        locate, base: stages that the paper does not have: jitter, and a connection past the network.
+        recur: called with the widths, returns the recurrent stage.
+        locate, base: stages that the paper does not have: jitter, and a connection that bypasses the network.
     """
+
+    extremes = (
+        Gate("gate/gated 0", "NSRD: the gated convolution is shut.", bias_at(SHUT, lambda m: m.gated.gate_bias())),
+        Gate("gate/gated 1", "NSRD: the gated convolution is open.", bias_at(OPEN, lambda m: m.gated.gate_bias())),
+    )
 
     def __init__(
         self,
@@ -85,7 +92,7 @@ class NSRD(Upsampler[History]):
     ) -> None:
         super().__init__()
         if previous < 1:
-            raise UserError(f"model.previous must be 1 or more previous frames, got {previous}; the paper has 2.")
+            raise UserError(f"Invalid model.previous={previous}: use at least 1 previous frame; the paper has 2.")
         self.scale, self.previous = check_scale(scale), previous
         self.demodulate, self.motion_mask = demodulate, motion_mask
         self.locate, self.base = locate, base
@@ -107,30 +114,27 @@ class NSRD(Upsampler[History]):
     def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
         return self.demodulate.radiance(output, frame)
 
-    def warped(self, inputs: tuple[Tensor, ...], vectors: tuple[Tensor, ...]) -> Tensor:
-        """Features of the warped previous frames, ``(B, 32 * previous, h, w)`` (section 3.2); the weights are shared."""
-        to_there = torch.cat(vectors)
-        features = self.gated(self.motion_mask(warp(torch.cat(inputs), to_there[:, :2]), to_there))
+    def warp_previous(self, inputs: tuple[Tensor, ...], vectors: tuple[Tensor, ...]) -> Tensor:
+        """Return features of the warped previous frames, ``(B, 32 * previous, h, w)``, by shared weights (3.2)."""
+        joined = torch.cat(vectors)
+        features = self.gated(self.motion_mask(warp(torch.cat(inputs), joined[:, :2]), joined))
         return torch.cat(features.chunk(self.previous), dim=1)
 
     def forward(self, frame: Frame, state: History | None) -> tuple[Tensor, History]:
-        assert frame.depth is not None
-        assert frame.normal is not None
-        assert frame.motion is not None
         light = self.demodulate(frame)
-        current = self.locate.append(torch.cat((light, frame.depth, frame.normal), dim=1), frame)
+        current = self.locate.append(torch.cat((light, *frame.need("depth", "normal")), dim=1), frame)
         vectors = self.motion_mask.vectors(frame)
         if state is None:
-            # Copies: an exporter takes tensors that are one at tracing time for one ever after.
+            # The exporter merges tensors that are the same object while tracing, so the state holds copies.
             vectors = torch.zeros_like(vectors)
             inputs = tuple(current.clone() for _ in range(self.previous))
             state = History(inputs, tuple(vectors.clone() for _ in inputs[1:]), (), ())
-        to_each = chain(self.locate.between_samples(vectors, frame, state.located), state.vectors)
-        shallow = torch.cat((self.first(current), self.warped(state.inputs, to_each)), dim=1)
+        chained = chain(self.locate.between_samples(vectors, frame, state.located), state.vectors)
+        shallow = torch.cat((self.first(current), self.warp_previous(state.inputs, chained)), dim=1)
         motion = self.locate.at_target(vectors[:, :2], frame, self.scale)
         features, memory = self.recur(shallow, motion, state.carried)
-        # A sum of half-precision products is no place to keep light in.
+        # Convert to float32 first: half-precision sums lose small radiance.
         predicted = self.reconstruct(features).to(current.dtype)
         output = self.base(predicted, light, frame)
         carried = self.recur.carry(output, memory)
-        return output, History((current, *state.inputs[:-1]), to_each[:-1], carried, self.locate.remember(frame))
+        return output, History((current, *state.inputs[:-1]), chained[:-1], carried, self.locate.remember(frame))

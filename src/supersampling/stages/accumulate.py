@@ -1,4 +1,4 @@
-"""Slot ``accumulate``: what the history holds beside colour (Swensen 2021, 4.1.5 and 5.5.3)."""
+"""Slot ``accumulate``: the channels of the history beside colour (Swensen 2021, 4.1.5 and 5.5.3)."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -9,34 +9,33 @@ from torch import Tensor, nn
 
 
 class Accumulate(nn.Module, ABC):
-    """Owns the history's channels beyond colour; ``channels`` is the history's total."""
+    """The owner of the history's channels beside colour; ``channels`` is the history's total."""
 
     channels: int
 
     @abstractmethod
     def append(self, color: Tensor) -> Tensor:
-        """Input colour ``(B, 3, H, W)`` to history channels ``(B, channels, H, W)``."""
+        """Return the history channels ``(B, channels, H, W)`` of an input colour ``(B, 3, H, W)``."""
 
     @abstractmethod
-    def pictured(self, history: Tensor) -> dict[str, Tensor]:
-        """The channels beyond colour of a history, ``(B, 1, H, W)`` each in [0, 1], by name (table 17)."""
+    def state_images(self, history: Tensor) -> dict[str, Tensor]:
+        """Return a history's channels beside colour by name, each ``(B, 1, H, W)`` in [0, 1] (table 17)."""
 
     @abstractmethod
     def forward(self, blended: Tensor, keep: Tensor) -> Tensor:
-        """The new history, from the blended one ``(B, channels, H, W)`` and ``o2 (B, 1, H, W)``."""
+        """Return the new history from the blended one ``(B, channels, H, W)`` and ``o2 (B, 1, H, W)``."""
 
 
 @final
 class AccumulationBuffer(Accumulate):
-    """A fourth channel: 1 for a bare input sample, towards 0 as samples gather; multiplied by ``o2`` (eq
-    45)."""
+    """A fourth channel: 1 for a single input sample, towards 0 as samples accumulate; multiplied by ``o2`` (eq 45)."""
 
     channels = 4
 
     def append(self, color: Tensor) -> Tensor:
         return F.pad(color, (0, 0, 0, 0, 0, 1), value=1.0)
 
-    def pictured(self, history: Tensor) -> dict[str, Tensor]:
+    def state_images(self, history: Tensor) -> dict[str, Tensor]:
         return {"accumulation": history[:, 3:4]}
 
     def forward(self, blended: Tensor, keep: Tensor) -> Tensor:
@@ -45,10 +44,10 @@ class AccumulationBuffer(Accumulate):
 
 @final
 class NoAccumulation(Accumulate):
-    """Colour only: the network reads 7 channels and ``o2`` goes unused.
+    """Colour only: the network reads 7 channels and ``o2`` is not used.
 
-    The thesis does not say how the variant of its table 16 was wired; this is the smallest change that
-    removes it.
+    The thesis does not say how the variant of its table 16 was wired; this is the smallest change that removes the
+    buffer.
     """
 
     channels = 3
@@ -56,7 +55,7 @@ class NoAccumulation(Accumulate):
     def append(self, color: Tensor) -> Tensor:
         return color
 
-    def pictured(self, history: Tensor) -> dict[str, Tensor]:
+    def state_images(self, history: Tensor) -> dict[str, Tensor]:
         return {}
 
     def forward(self, blended: Tensor, keep: Tensor) -> Tensor:

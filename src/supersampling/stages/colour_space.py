@@ -1,6 +1,6 @@
 """Slot ``colour_space``: the space in which a network reads and predicts colour (Xiao et al. 2020, 3.2.5).
 
-The slot ``rectify`` bounds history in one of these (Swensen 2021, 2.4.4).
+The options of the slot ``rectify`` bound the history in such a space (Swensen 2021, 2.4.4).
 """
 
 from abc import ABC, abstractmethod
@@ -13,7 +13,7 @@ from supersampling.ops.colour import rgb_to_ycocg, ycocg_to_rgb
 
 
 class ColourSpace(ABC):
-    """An affine map of RGB and its inverse; tensors ``(..., 3, H, W)``, of any range."""
+    """An affine map of RGB and its inverse, on tensors ``(..., 3, H, W)`` of any range."""
 
     @abstractmethod
     def of_rgb(self, rgb: Tensor) -> Tensor: ...
@@ -24,7 +24,7 @@ class ColourSpace(ABC):
 
 @final
 class RGB(ColourSpace):
-    """The colours as they are."""
+    """The identity."""
 
     def of_rgb(self, rgb: Tensor) -> Tensor:
         return rgb
@@ -35,7 +35,7 @@ class RGB(ColourSpace):
 
 @final
 class YCoCg(ColourSpace):
-    """Luma and two chroma axes: a box of bounds often fits the colours more tightly (Karis 2014)."""
+    """Luma and two chroma axes, in which a bounding box often fits the colours more tightly (Karis 2014)."""
 
     def of_rgb(self, rgb: Tensor) -> Tensor:
         return rgb_to_ycocg(rgb)
@@ -48,9 +48,9 @@ class YCoCg(ColourSpace):
 class YCbCr(ColourSpace):
     """Luma and two colour differences of BT.601 in full range, as in JPEG: RGB in [0, 1] gives channels in [0, 1].
 
-    The paper does not say which YCbCr; with the colour differences centred at 0.5 its losses see images of range 1. Light,
-    which is unbounded, gives luma from 0 up and differences around 0.5 to both sides: nothing is cut, and the offset, an
-    affine map's, is taken off again.
+    The paper does not say which YCbCr it uses; with the colour differences centred at 0.5 its losses see images of
+    range 1. Unbounded light gives non-negative luma and differences on both sides of 0.5: nothing is clipped, and
+    `to_rgb` removes the offset again.
     """
 
     def of_rgb(self, rgb: Tensor) -> Tensor:

@@ -1,7 +1,7 @@
-"""Slot ``confine``: how the network's outputs are brought into [0, 1] (Swensen 2021, 4.1.4).
+"""Slot ``confine``: the map of the network's outputs into [0, 1] (Swensen 2021, 4.1.4).
 
-The published clamp has no gradient outside [0, 1]. With the published initialisation about half of the
-outputs start there, and a pixel whose blending weight sits below 0 learns nothing until others move it.
+The published clamp has no gradient outside [0, 1]. With the published initialisation about half of the outputs start
+there, and a pixel whose blending weight is below 0 learns nothing until the gradients of other pixels move it.
 """
 
 import math
@@ -13,14 +13,14 @@ from torch import Tensor, nn
 
 
 class Confine(nn.Module, ABC):
-    """``forward(x) -> values in [0, 1]`` elementwise; ``inverse`` tells an initialisation where to start."""
+    """An elementwise map ``forward(x) -> values in [0, 1]``; an initialisation finds its biases by ``inverse``."""
 
     @abstractmethod
     def forward(self, x: Tensor) -> Tensor: ...
 
     @abstractmethod
     def inverse(self, value: float) -> float:
-        """The ``x`` that gives ``value``, for ``value`` in (0, 1)."""
+        """Return the ``x`` that is mapped to ``value``, for ``value`` in (0, 1)."""
 
 
 @final
@@ -36,7 +36,7 @@ class Clamp(Confine):
 
 @final
 class StraightThrough(Confine):
-    """The clamp's values to the bit; outside [0, 1] the gradient passes where descent leads back inside."""
+    """The clamp's values, bit for bit; outside [0, 1] a gradient passes if descent moves ``x`` back inside."""
 
     def forward(self, x: Tensor) -> Tensor:
         result: Tensor = _ClampStraightThrough.apply(x)
@@ -48,7 +48,7 @@ class StraightThrough(Confine):
 
 @final
 class Sigmoid(Confine):
-    """A smooth map that never quite reaches 0 or 1; another function than the published one."""
+    """A smooth map that never quite reaches 0 or 1: not the published function."""
 
     def forward(self, x: Tensor) -> Tensor:
         return x.sigmoid()
@@ -67,7 +67,6 @@ class _ClampStraightThrough(torch.autograd.Function):
     def backward(ctx: Any, *grads: Tensor) -> Tensor:
         (x,) = ctx.saved_tensors
         (grad,) = grads
-        # Descent subtracts the gradient: below 0 a positive one would lead further out, above 1 a negative
-        # one.
-        lost = ((x < 0.0) & (grad > 0.0)) | ((x > 1.0) & (grad < 0.0))
-        return grad.masked_fill(lost, 0.0)
+        # Descent subtracts the gradient: a positive one below 0, or a negative one above 1, would lead further out.
+        outwards = ((x < 0.0) & (grad > 0.0)) | ((x > 1.0) & (grad < 0.0))
+        return grad.masked_fill(outwards, 0.0)

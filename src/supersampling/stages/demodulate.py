@@ -1,4 +1,4 @@
-"""Slot ``demodulate``: what a network super-resolves, and how that becomes an image (Li et al. 2024, NSRD, section 3.1)."""
+"""Slot ``demodulate``: the quantity that is super-resolved, and its display (Li et al. 2024, NSRD, section 3.1)."""
 
 import math
 from abc import ABC, abstractmethod
@@ -14,9 +14,9 @@ from supersampling.ops.display import radiance_to_display
 
 
 class Demodulate(nn.Module, ABC):
-    """``forward(frame) -> (B, 3, h, w)``, the network's colour input; its output is in the same domain.
+    """The network's colour input, ``forward(frame) -> (B, 3, h, w)``; the network's output is in the same domain.
 
-    ``requires`` names what `forward` and `present` read, ``compares`` what `reference` does, as in
+    ``requires`` names the buffers that `forward` and `present` read, ``compares`` those that `reference` reads, as in
     `supersampling.models.base.Upsampler`.
     """
 
@@ -28,27 +28,26 @@ class Demodulate(nn.Module, ABC):
 
     @abstractmethod
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
-        """What outputs are compared with, ``(B, T, 3, H, W)``."""
+        """Return what outputs are compared with, ``(B, T, 3, H, W)``."""
 
     @abstractmethod
     def present(self, output: Tensor, frame: Frame) -> Tensor:
-        """The display-referred image ``(B, 3, H, W)`` in [0, 1] of an output ``(B, 3, H, W)``."""
+        """Return the display-referred image ``(B, 3, H, W)`` in [0, 1] of an output ``(B, 3, H, W)``."""
 
     @abstractmethod
     def radiance(self, output: Tensor, frame: Frame) -> Tensor | None:
-        """The linear radiance ``(B, 3, H, W)`` of an output, or None: there are display colours alone."""
+        """Return the linear radiance ``(B, 3, H, W)`` of an output, or None if only display colours are known."""
 
 
 @final
 class DisplayColour(Demodulate):
-    """The displayed image itself, in [0, 1]: what methods see that know nothing of light (Xiao et al. 2020)."""
+    """The displayed image itself, in [0, 1]: the input of methods that do not read radiance (Xiao et al. 2020)."""
 
     requires = frozenset({"color"})
     compares = frozenset({"target"})
 
     def forward(self, frame: Frame) -> Tensor:
-        assert frame.color is not None
-        return frame.color
+        return frame.need("color")
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         return clip["target"]
@@ -62,19 +61,17 @@ class DisplayColour(Demodulate):
 
 @final
 class Demodulated(Demodulate):
-    """The lighting component, 0 or more and unbounded, remodulated with the high-resolution material (equations 2 to 4).
+    """The lighting component, non-negative and unbounded, remodulated with high-resolution material (eqs 2 to 4).
 
-    Emission and sky pass beside the network, at high resolution. Negative lighting, which a network can give, counts as none.
+    Emission and sky bypass the network, at high resolution. Negative lighting, which a network can predict, is set to
+    0.
     """
 
     requires = frozenset({"radiance", "material", "emission", "high_material", "high_emission"})
     compares = frozenset({"target_radiance", "high_material", "high_emission"})
 
     def forward(self, frame: Frame) -> Tensor:
-        assert frame.radiance is not None
-        assert frame.material is not None
-        assert frame.emission is not None
-        return demodulate(frame.radiance, frame.material, frame.emission)
+        return demodulate(*frame.need("radiance", "material", "emission"))
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         return demodulate(clip["target_radiance"], clip["high_material"], clip["high_emission"])
@@ -83,18 +80,16 @@ class Demodulated(Demodulate):
         return radiance_to_display(self.radiance(output, frame))
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor:
-        assert frame.high_material is not None
-        assert frame.high_emission is not None
-        return remodulate(output.clamp(min=0.0), frame.high_material, frame.high_emission)
+        return remodulate(output.clamp(min=0.0), *frame.need("high_material", "high_emission"))
 
 
 @final
 class LoggedLighting(Demodulate):
-    """``ln(1 + I)`` of the lighting component ``I``, 0 or more.
+    """``ln(1 + I)`` of the non-negative lighting component ``I``.
 
-    A switch of this framework: near a lamp, or on a dark and shiny surface, lighting is thousands of times what it is elsewhere,
-    and single pixels then decide a network's features, gradients and loss. Exact in both directions; outputs are cut to what
-    float16 holds of lighting.
+    An addition of this framework: near a lamp, or on a dark and shiny surface, lighting is thousands of times what it
+    is elsewhere, and single pixels then dominate a network's features, gradients and loss. The map is exact in both
+    directions; outputs are clamped to the largest lighting that float16 can hold.
     """
 
     requires = Demodulated.requires
@@ -120,14 +115,13 @@ class LoggedLighting(Demodulate):
 
 @final
 class Radiance(Demodulate):
-    """The radiance itself, linear and unbounded, material and all: demodulation off (figure 7)."""
+    """The radiance itself, linear and unbounded, with the material in it: demodulation off (figure 7)."""
 
     requires = frozenset({"radiance"})
     compares = frozenset({"target_radiance"})
 
     def forward(self, frame: Frame) -> Tensor:
-        assert frame.radiance is not None
-        return frame.radiance
+        return frame.need("radiance")
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         return clip["target_radiance"]

@@ -1,4 +1,4 @@
-"""Slot ``extract``: what each frame's low-resolution samples become before they are upsampled (Xiao et al. 2020, 3.2.1)."""
+"""Slot ``extract``: features of each frame's low-resolution samples, before upsampling (Xiao et al. 2020, 3.2.1)."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -8,9 +8,9 @@ from torch import Tensor, nn
 
 
 class Extract(nn.Module, ABC):
-    """``forward(samples (B, inputs, h, w)) -> (B, channels, h, w)``, the samples themselves first.
+    """Features ``forward(samples (B, inputs, h, w)) -> (B, channels, h, w)``, the samples themselves first.
 
-    An option is called with the number of ``inputs`` once for each extractor that a method has.
+    A method calls the option with the number of ``inputs`` once for each extractor that it has.
     """
 
     channels: int
@@ -23,7 +23,8 @@ class Extract(nn.Module, ABC):
 class LearnedFeatures(Extract):
     """Three convolutions 3x3, 32-32-8, whose output is appended to their input (figure 4, green).
 
-    The text names no activation: each convolution has a ReLU here, the last too. At 4 inputs 12,744 parameters.
+    The text names no activation: here a ReLU follows each convolution, including the last. 12,744 parameters with 4
+    inputs.
     """
 
     def __init__(self, inputs: int, width: int = 32, features: int = 8) -> None:
@@ -44,7 +45,7 @@ class LearnedFeatures(Extract):
 
 @final
 class NoExtraction(Extract):
-    """The samples alone (table 10)."""
+    """The samples only (table 10)."""
 
     def __init__(self, inputs: int) -> None:
         super().__init__()

@@ -1,5 +1,7 @@
-"""Slot ``flow``: how the motion from the current to the previous frame is known (Mercier et al. 2023, section 4.1, "Jitter
-compensation", and section 6.2)."""
+"""Slot ``flow``: the source of the motion from the current to the previous frame.
+
+Mercier et al. 2023, section 4.1, "Jitter compensation", and section 6.2.
+"""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -17,31 +19,32 @@ from supersampling.ops.resample import jitter_as_motion
 from supersampling.pretrained import load_pretrained
 
 LUMA = (0.2126, 0.7152, 0.0722)  # Rec. 709
-SMALLEST = 4  # pixels a side; below, TV-L1 has no neighbourhood to work on
+SMALLEST = 4  # pixels per side; below, TV-L1 has no neighbourhood to work on
 RAFTS = ("raft_large", "raft_small")
-RAFT_BLOCK, RAFT_SMALLEST = 8, 128  # pixels that a side is a multiple of, and at least
+RAFT_BLOCK, RAFT_SMALLEST = 8, 128  # pixels: the divisor of a side, and its least length
 
 
 def compensate_jitter(motion: Tensor, jitter: Tensor, previous: Tensor) -> Tensor:
-    """``MV_t + J_{t-1} - J_t`` (eq 1): motion between two jittered images without what the jitter adds to it.
+    """Return ``MV_t + J_{t-1} - J_t`` (eq 1): motion between two jittered images without the part due to the jitter.
 
     Args:
-        motion: ``(B, 2, h, w)``, backward, units of the image: where a pixel's sample lies in the previous image.
-        jitter, previous: ``(B, 2)`` of this frame and the previous one, low-resolution pixels.
+        motion: ``(B, 2, h, w)``, backward, in units of the image: the offset to a pixel's sample in the previous image.
+        jitter, previous: ``(B, 2)`` of this frame and of the previous one, in low-resolution pixels.
     """
     h, w = motion.shape[-2:]
     return motion + jitter_as_motion(previous - jitter, h, w)
 
 
 class Flow(nn.Module, ABC):
-    """``forward(frame, memory) -> (B, 2, h, w)``: unjittered backward motion as `Frame.motion`, or None for "stay in place".
+    """Unjittered backward motion as in `Frame.motion`, ``forward(frame, memory) -> (B, 2, h, w)``; None for no motion.
 
-    ``memory`` is what `remember` kept of the previous frame. ``requires`` names what is read.
+    ``memory`` is what `remember` returned for the previous frame. ``requires`` names the buffers that are read.
     """
 
     requires: frozenset[str]
 
     def remember(self, frame: Frame) -> tuple[Tensor, ...]:
+        """Return the tensors of this frame that the next frame's `forward` needs."""
         return ()
 
     @abstractmethod
@@ -50,7 +53,7 @@ class Flow(nn.Module, ABC):
 
 @final
 class MotionVectors(Flow):
-    """The renderer's motion vectors, which are free of jitter (`frames`): equation 1 has been applied where they were made."""
+    """The renderer's motion vectors, which are free of jitter (`supersampling.frames`): equation 1 is applied there."""
 
     requires = frozenset({"motion"})
 
@@ -60,120 +63,120 @@ class MotionVectors(Flow):
 
 @final
 class JitteredMotionVectors(Flow):
-    """Motion vectors that still hold the jitter's part, as some captures have them; equation 1 removes it here."""
+    """Motion vectors that still contain the jitter, as in some captures; equation 1 removes it here."""
 
     requires = frozenset({"motion", "jitter"})
 
     def remember(self, frame: Frame) -> tuple[Tensor, ...]:
-        assert frame.jitter is not None
-        return (frame.jitter,)
+        return (frame.need("jitter"),)
 
     def forward(self, frame: Frame, memory: tuple[Tensor, ...]) -> Tensor | None:
-        assert frame.motion is not None
-        assert frame.jitter is not None
-        return compensate_jitter(frame.motion, frame.jitter, *memory)
+        motion, jitter = frame.need("motion", "jitter")
+        return compensate_jitter(motion, jitter, *memory)
 
 
 class Estimated(Flow):
-    """Optical flow of the two frames' low-resolution colour, for the row "(-) MVs, (+) RAFT" of table 3. It gives no gradient.
+    """Optical flow between the two frames' low-resolution colours, for the row "(-) MVs, (+) RAFT" of table 3.
 
-    The images are jittered, so equation 1 follows.
+    It has no gradient. The images are jittered, so equation 1 is applied afterwards.
     """
 
     requires = frozenset({"color", "jitter"})
 
     def remember(self, frame: Frame) -> tuple[Tensor, ...]:
-        assert frame.color is not None
-        assert frame.jitter is not None
-        return frame.color, frame.jitter
+        return frame.need("color", "jitter")
 
     @torch.no_grad()
     def forward(self, frame: Frame, memory: tuple[Tensor, ...]) -> Tensor | None:
-        assert frame.color is not None
-        assert frame.jitter is not None
-        before, previous_jitter = memory
-        _, _, h, w = frame.color.shape
-        pixels = self.estimate(frame.color, before)
-        return compensate_jitter(pixels / pixels.new_tensor((w, h)).view(2, 1, 1), frame.jitter, previous_jitter)
+        color, jitter = frame.need("color", "jitter")
+        previous_color, previous_jitter = memory
+        _, _, h, w = color.shape
+        pixels = self.estimate(color, previous_color)
+        return compensate_jitter(pixels / pixels.new_tensor((w, h)).view(2, 1, 1), jitter, previous_jitter)
 
     @abstractmethod
-    def estimate(self, now: Tensor, before: Tensor) -> Tensor:
-        """``(B, 2, h, w)``, (x, y) in pixels, of colours ``(B, 3, h, w)``: ``now(p) = before(p + flow(p))``."""
+    def estimate(self, current: Tensor, previous: Tensor) -> Tensor:
+        """Return the flow ``(B, 2, h, w)``, (x, y) in pixels, between colours ``(B, 3, h, w)``.
+
+        ``current(p) = previous(p + flow(p))``.
+        """
 
 
 @final
 class TVL1(Estimated):
-    """By scikit-image from luma; TV-L1 (Zach et al. 2007) needs no trained weights, as the paper's RAFT does.
+    """TV-L1 (Zach et al. 2007) on luma, by scikit-image; unlike the paper's RAFT it needs no trained weights.
 
-    It runs on the processor, item by item, and does not export. Images below 4 pixels a side count as still.
+    It runs on the processor, item by item, and cannot be exported. Images with fewer than 4 pixels per side count as
+    still.
     """
 
-    def estimate(self, now: Tensor, before: Tensor) -> Tensor:
-        b, _, h, w = now.shape
+    def estimate(self, current: Tensor, previous: Tensor) -> Tensor:
+        b, _, h, w = current.shape
         if min(h, w) < SMALLEST:
-            return now.new_zeros(b, 2, h, w)
+            return current.new_zeros(b, 2, h, w)
         # (row, column) in pixels: reference(p) = moving(p + flow)
-        flows = np.stack([optical_flow_tvl1(a, b)[::-1] for a, b in zip(_luma(now), _luma(before))])
-        return torch.from_numpy(flows).to(now)
+        flows = np.stack([optical_flow_tvl1(*pair)[::-1] for pair in zip(_luma(current), _luma(previous))])
+        return torch.from_numpy(flows).to(current)
 
 
 @final
 class RAFT(Estimated):
-    """By torchvision's RAFT (Teed and Deng 2020), which is what the paper has, with weights that have seen Sintel, as there.
+    """RAFT (Teed and Deng 2020) by torchvision, with weights trained on Sintel: the paper's choice.
 
-    The network is frozen and evaluates in float32. Its weights are buffers that are not saved: they follow the device, and are no
-    parameters of the method, neither for an optimizer nor in a checkpoint nor in a count.
+    The network is frozen and evaluates in float32. Its weights are buffers that are not saved: they follow the device,
+    but they are not parameters of the method, neither for an optimizer nor in a checkpoint nor in a count.
 
-    Items go through it one by one: where an image is flat, its instance normalisation enlarges the rounding that a batch's size
-    changes. It wants sides that are multiples of 8 and at least 128 pixels: images whose longer side is shorter are enlarged
-    bilinearly by a whole factor, whose blocks' mean flow counts, and borders are repeated for the rest, half on each side.
+    Items go through the network one by one: where an image is flat, its instance normalisation amplifies rounding,
+    which depends on the batch size. Sides must be multiples of 8 and at least 128 pixels: an image whose longer side is
+    shorter is enlarged bilinearly by an integer factor, and the mean flow of each block is taken; for the rest the
+    borders are repeated, half on each side.
 
     Args:
-        network: ``raft_large`` or ``raft_small``, torchvision's names.
-        weights: a name among torchvision's for it.
-        updates: of the flow, 1 or more; torchvision's own number is 12, the paper is silent.
+        network: ``raft_large`` or ``raft_small``, as torchvision names them.
+        weights: one of torchvision's names of weights for this network.
+        updates: number of updates of the flow, at least 1; torchvision's default is 12, and the paper does not say.
     """
 
     def __init__(self, network: str, weights: str, updates: int) -> None:
         super().__init__()
         if network not in RAFTS:
-            raise UserError(f"flow.network={network} is no RAFT of torchvision: use {' or '.join(RAFTS)}.")
+            raise UserError(f"Unknown flow.network={network}: use {' or '.join(RAFTS)}.")
         if updates < 1:
-            raise UserError(f"flow.updates must be 1 or more, got {updates}; torchvision has 12.")
+            raise UserError(f"Invalid flow.updates={updates}: use at least 1; torchvision's default is 12.")
         self.network, self.updates = get_model(network, weights=None), updates
         load_pretrained(self.network, network, weights, "model/flow=raft", "use model/flow=tvl1")
         _freeze(self.network)
 
     def train(self, mode: bool = True) -> "RAFT":
         super().train(mode)
-        self.network.eval()  # else its batch normalisation would learn
+        self.network.eval()  # otherwise its batch normalisation would adapt
         return self
 
-    def estimate(self, now: Tensor, before: Tensor) -> Tensor:
-        _, _, h, w = now.shape
+    def estimate(self, current: Tensor, previous: Tensor) -> Tensor:
+        _, _, h, w = current.shape
         factor = max(1, -(-RAFT_SMALLEST // max(h, w)))
         left, right = _margins(w * factor)
         top, bottom = _margins(h * factor)
 
-        def prepared(image: Tensor) -> Tensor:
+        def prepare(image: Tensor) -> Tensor:
             large = F.interpolate(image.float(), scale_factor=factor, mode="bilinear", align_corners=False)
             return F.pad(2.0 * large - 1.0, (left, right, top, bottom), mode="replicate")
 
-        pairs = zip(prepared(now).split(1), prepared(before).split(1))
-        with torch.autocast(now.device.type, enabled=False):
+        pairs = zip(prepare(current).split(1), prepare(previous).split(1))
+        with torch.autocast(current.device.type, enabled=False):
             flow = torch.cat([self.network(*pair, self.updates)[-1] for pair in pairs])
         inside = flow[..., top : top + h * factor, left : left + w * factor]
-        return (F.avg_pool2d(inside, factor) / factor).to(now.dtype)
+        return (F.avg_pool2d(inside, factor) / factor).to(current.dtype)
 
 
 def _margins(size: int) -> tuple[int, int]:
-    """What RAFT lacks of a side, before and after it."""
-    lacking = max(RAFT_SMALLEST, -(-size // RAFT_BLOCK) * RAFT_BLOCK) - size
-    return lacking // 2, lacking - lacking // 2
+    """Return the padding in front of a side of ``size`` pixels and behind it, to a length that RAFT accepts."""
+    padding = max(RAFT_SMALLEST, -(-size // RAFT_BLOCK) * RAFT_BLOCK) - size
+    return padding // 2, padding - padding // 2
 
 
 def _freeze(network: nn.Module) -> None:
-    """Make buffers that are not saved of all parameters and buffers."""
+    """Turn all parameters and buffers into buffers that are not saved."""
     for module in network.modules():
         for name, values in [*module.named_parameters(recurse=False), *module.named_buffers(recurse=False)]:
             delattr(module, name)
@@ -188,7 +191,7 @@ def _luma(color: Tensor) -> np.ndarray:
 
 @final
 class NoFlow(Flow):
-    """The history stays in place, no motion is read: the row "(-) warping" of table 3."""
+    """No motion: the history stays in place; the row "(-) warping" of table 3."""
 
     requires = frozenset[str]()
 

@@ -1,4 +1,4 @@
-"""Slot ``guides``: buffers that a network reads beside colour and depth (Li et al. 2024, NSRD, table 5, "+GBuffer")."""
+"""Slot ``guides``: more buffers for a network, beside colour and depth (Li et al. 2024, NSRD, table 5, "+GBuffer")."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -10,14 +10,14 @@ from torch import Tensor, nn
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS, Frame
 
-# Numbers of objects mean nothing to a convolution, and depth is read by whoever has this slot.
+# A convolution cannot use object numbers, and every method with this slot reads depth already.
 CHANNELS = {
     b.name: b.channels for b in BUFFERS.values() if b.resolution == "low" and b.kind != "id" and b.name != "depth"
 }
 
 
 class Guides(nn.Module, ABC):
-    """``forward(samples (B, C, h, w), frame) -> (B, C + channels, h, w)``: the samples, then the guides.
+    """The samples, then the guides: ``forward(samples (B, C, h, w), frame) -> (B, C + channels, h, w)``.
 
     ``requires`` names the buffers that are read.
     """
@@ -31,7 +31,7 @@ class Guides(nn.Module, ABC):
 
 @final
 class NoGuides(Guides):
-    """The samples alone."""
+    """The samples only."""
 
     channels = 0
     requires = frozenset[str]()
@@ -42,27 +42,26 @@ class NoGuides(Guides):
 
 @final
 class GBuffers(Guides):
-    """Low-resolution buffers as they are (`supersampling.frames`), in the order of their names.
+    """Unchanged low-resolution buffers (`supersampling.frames`), in the order of ``names``.
 
     Args:
-        names: any of `CHANNELS`, each once. NSRD gives the methods that it compares with depth and normal.
+        names: any of `CHANNELS`, each once. NSRD gives depth and normal to the methods that it compares itself with.
 
     Raises:
-        UserError: another name, or one twice.
+        UserError: a name is not in `CHANNELS`, or is listed twice.
     """
 
     def __init__(self, names: Sequence[str]) -> None:
         super().__init__()
-        given = [names] if isinstance(names, str) else list(names)
-        wrong = [name for k, name in enumerate(given) if name not in CHANNELS or name in given[:k]]
-        if wrong:
-            raise UserError(
-                f"model.guides.names holds {wrong[0]}, which is no low-resolution buffer to add, or is there already: use "
-                f"a list of {', '.join(CHANNELS)}, each once."
-            )
-        self.names = tuple(given)
+        self.names = (names,) if isinstance(names, str) else tuple(names)
+        for k, name in enumerate(self.names):
+            if name not in CHANNELS or name in self.names[:k]:
+                raise UserError(
+                    f"Invalid entry {name} of model.guides.names, which cannot be added or is listed twice: use a list "
+                    f"of {', '.join(CHANNELS)}, each once."
+                )
         self.channels = sum(CHANNELS[name] for name in self.names)
         self.requires = frozenset(self.names)
 
     def forward(self, samples: Tensor, frame: Frame) -> Tensor:
-        return torch.cat((samples, *(getattr(frame, name) for name in self.names)), dim=1)
+        return torch.cat((samples, *(frame.need(name) for name in self.names)), dim=1)

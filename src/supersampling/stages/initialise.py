@@ -12,8 +12,10 @@ from supersampling.stages.confine import Confine
 
 
 class Initialise(ABC):
-    """Called once on a residual network ``first(x) + last_1(...) + ... + last_n(...)``, all already PyTorch's
-    default."""
+    """An initialisation of a new residual network ``first(x) + last_1(...) + ... + last_n(...)``.
+
+    A method calls it once; the layers have PyTorch's default initialisation by then.
+    """
 
     @abstractmethod
     def __call__(self, first: nn.Conv2d, lasts: Sequence[nn.Conv2d], confine: Confine) -> None: ...
@@ -21,8 +23,7 @@ class Initialise(ABC):
 
 @final
 class Published(Initialise):
-    """PyTorch's default, as the thesis's listing leaves it: about half of the outputs start outside [0,
-    1]."""
+    """PyTorch's default, as in the thesis's listing: about half of the outputs start outside [0, 1]."""
 
     def __call__(self, first: nn.Conv2d, lasts: Sequence[nn.Conv2d], confine: Confine) -> None:
         return None
@@ -30,17 +31,17 @@ class Published(Initialise):
 
 @final
 class Balanced(Initialise):
-    """Outputs start near chosen values inside (0, 1), so that hardly any clamp is saturated.
+    """Outputs that start near given values inside (0, 1), so that hardly any clamp is saturated.
 
-    The convolutions that add to the output are scaled by ``gain`` and lose their bias; the last one's bias
-    carries ``blend`` (``o1``) in the first half of the channels and ``keep`` (``o2``) in the second.
+    The convolutions that add to the output are scaled by ``gain``, and their biases set to 0; the last one's bias holds
+    ``blend`` (``o1``) in the first half of the channels and ``keep`` (``o2``) in the second.
     """
 
     def __init__(self, blend: float = 0.15, keep: float = 0.9, gain: float = 0.2) -> None:
         for name, value in (("blend", blend), ("keep", keep)):
             if not 0.0 < value < 1.0:
                 raise UserError(
-                    f"initialise.{name} must lie inside (0, 1), got {value}; 0.15 and 0.9 are the defaults."
+                    f"Invalid initialise.{name}={value}: use a value inside (0, 1); the defaults are 0.15 and 0.9."
                 )
         self.blend, self.keep, self.gain = blend, keep, gain
 

@@ -1,8 +1,8 @@
-"""Slot ``kernel_prediction``: where the kernels of a network's first and last convolution come from (Mercier et al. 2023,
-section 4.2, "Jitter-conditioned convolutions").
+"""Slot ``kernel_prediction``: the source of the kernels of a network's first and last convolution.
 
-Kernels are 3x3: ``(B, outputs, inputs, 3, 3)``, or ``(1, ...)`` where all items share one. An option is made from the two
-kernels that training starts from, ``(outputs, inputs, 3, 3)``.
+Mercier et al. 2023, section 4.2, "Jitter-conditioned convolutions". Kernels are 3x3: ``(B, outputs, inputs, 3, 3)``, or
+``(1, ...)`` where all items share one. An option is constructed with the two kernels that training starts from,
+``(outputs, inputs, 3, 3)``.
 """
 
 from abc import ABC, abstractmethod
@@ -18,7 +18,7 @@ from supersampling.errors import UserError
 
 
 def convolve(x: Tensor, kernel: Tensor, bias: Tensor) -> Tensor:
-    """3x3 convolution of ``x (B, inputs, h, w)``, zeros outside the image, each item by its own kernel; ``bias (outputs,)``."""
+    """Convolve each item of ``x (B, inputs, h, w)`` with its own 3x3 kernel; zeros outside, ``bias (outputs,)``."""
     b, c, h, w = x.shape
     if kernel.shape[0] == 1:
         return F.conv2d(x, kernel[0], bias, padding=1)
@@ -27,7 +27,7 @@ def convolve(x: Tensor, kernel: Tensor, bias: Tensor) -> Tensor:
 
 
 class KernelPrediction(nn.Module, ABC):
-    """``forward(jitter (B, 2)) -> (first, last)``, the two kernels."""
+    """The two kernels for a jitter, ``forward(jitter (B, 2)) -> (first, last)``."""
 
     @abstractmethod
     def forward(self, jitter: Tensor) -> tuple[Tensor, Tensor]: ...
@@ -38,25 +38,26 @@ class KernelPrediction(nn.Module, ABC):
 
     @torch.no_grad()
     def precompute(self, jitters: Tensor) -> "KernelTable":
-        """The kernels of a jitter sequence ``(N, 2)``, once and for all: what is deployed."""
+        """Return the table of the kernels of a jitter sequence ``(N, 2)``, which is the deployed form."""
         return KernelTable(jitters, *self(jitters))
 
 
 class KernelMLP(nn.Module):
-    """``forward(jitter (B, 2)) -> [kernel (B, outputs, inputs, 3, 3), ...]``; all kernels are outputs of one MLP.
+    """One MLP whose outputs are all kernels, ``forward(jitter (B, 2)) -> [kernel (B, outputs, inputs, 3, 3), ...]``.
 
-    ``layers`` counts linear layers, the output's among them; ReLU between them. Only kernels are predicted, not biases. The
-    output layer's bias starts as the ``initial`` kernels and is kept in their shapes, so that an optimizer that treats matrices
-    in a way of their own sees it as such. The paper is silent on how the rest starts: the output layer's weights at 0, so that
-    training starts from ordinary convolutions at any width; the hidden layers as PyTorch's own.
+    ``layers`` counts the linear layers, including the output layer; a ReLU follows each but the last. Only kernels are
+    predicted, not biases. The output layer's bias starts as the ``initial`` kernels and is stored in their shapes, so
+    that an optimizer that treats matrices differently recognises them. The paper does not say how the rest starts: here
+    the output layer's weights at 0, so that training starts from ordinary convolutions at any width, and the hidden
+    layers with PyTorch's own initialisation.
     """
 
     def __init__(self, initial: Sequence[Tensor], width: int, layers: int) -> None:
         super().__init__()
         if width < 1 or layers < 2:
             raise UserError(
-                f"kernel_prediction needs a width from 1 and layers from 2 up, got width={width} and layers={layers}; "
-                "the paper has 2048 and 7."
+                f"Invalid kernel_prediction of width={width} and layers={layers}: use a width of at least 1 and at "
+                "least 2 layers; the paper has 2048 and 7."
             )
         self._sizes = [kernel.numel() for kernel in initial]
         widths = [2, *[width] * (layers - 1)]
@@ -73,9 +74,9 @@ class KernelMLP(nn.Module):
 
 @final
 class FirstAndLast(KernelPrediction):
-    """Both are predicted, as the paper does: 7 layers, 2048 wide (section 5).
+    """Both kernels predicted, as in the paper: 7 layers, 2048 wide (section 5).
 
-    The paper speaks of "an MLP" for both, which is taken at its word: one MLP gives both kernels.
+    The paper speaks of "an MLP" for both, which is taken literally: one MLP predicts both kernels.
     """
 
     def __init__(self, first: Tensor, last: Tensor, width: int, layers: int) -> None:
@@ -89,7 +90,7 @@ class FirstAndLast(KernelPrediction):
 
 @final
 class FirstOnly(KernelPrediction):
-    """The first is predicted, the last learned: the row "(-) last jitter conv" of table 3."""
+    """The first kernel predicted, the last learned: the row "(-) last jitter conv" of table 3."""
 
     def __init__(self, first: Tensor, last: Tensor, width: int, layers: int) -> None:
         super().__init__()
@@ -103,7 +104,7 @@ class FirstOnly(KernelPrediction):
 
 @final
 class LastOnly(KernelPrediction):
-    """The last is predicted, the first learned: the row "(-) first jitter conv" of table 3."""
+    """The last kernel predicted, the first learned: the row "(-) first jitter conv" of table 3."""
 
     def __init__(self, first: Tensor, last: Tensor, width: int, layers: int) -> None:
         super().__init__()
@@ -130,13 +131,13 @@ class NoPrediction(KernelPrediction):
 
 @final
 class KernelTable(KernelPrediction):
-    """Kernels made beforehand for each position of a jitter sequence: "no additional computational overhead" (section 4.2).
+    """Precomputed kernels of each position of a jitter sequence: "no additional computational overhead" (section 4.2).
 
-    A jitter takes the entry that is nearest to it; one from outside the sequence gets a kernel that was made for another.
+    A jitter takes the nearest entry, so a jitter that is not in the sequence gets the kernel of another one.
 
     Args:
         jitters: ``(N, 2)``.
-        first, last: ``(N, outputs, inputs, 3, 3)``, or ``(1, ...)`` for a kernel that no jitter changes.
+        first, last: ``(N, outputs, inputs, 3, 3)``, or ``(1, ...)`` for a kernel that does not depend on the jitter.
     """
 
     jitters: Tensor
@@ -150,8 +151,8 @@ class KernelTable(KernelPrediction):
 
     def forward(self, jitter: Tensor) -> tuple[Tensor, Tensor]:
         entry = (jitter[:, None] - self.jitters).square().sum(dim=-1).argmin(dim=1)
-        return self._pick(self.first, entry), self._pick(self.last, entry)
+        return self._select(self.first, entry), self._select(self.last, entry)
 
     @staticmethod
-    def _pick(kernels: Tensor, entry: Tensor) -> Tensor:
+    def _select(kernels: Tensor, entry: Tensor) -> Tensor:
         return kernels if kernels.shape[0] == 1 else kernels[entry]

@@ -1,5 +1,7 @@
-"""Slot ``motion_grid``: which motion vector a target pixel takes (Mercier et al. 2023, section 4.1, "Depth-informed
-dilation")."""
+"""Slot ``motion_grid``: the choice of a motion vector for each target pixel.
+
+Mercier et al. 2023, section 4.1, "Depth-informed dilation".
+"""
 
 import math
 from abc import ABC, abstractmethod
@@ -14,7 +16,7 @@ from supersampling.ops.resample import upsample_motion
 
 
 class MotionGrid(nn.Module, ABC):
-    """``forward(motion (B, 2, h, w), depth (B, 1, h, w), scale) -> (B, 2, H, W)``."""
+    """Motion at the target resolution, ``forward(motion (B, 2, h, w), depth (B, 1, h, w), scale) -> (B, 2, H, W)``."""
 
     @abstractmethod
     def forward(self, motion: Tensor, depth: Tensor, scale: int) -> Tensor: ...
@@ -22,22 +24,23 @@ class MotionGrid(nn.Module, ABC):
 
 @final
 class FrontmostOfBlock(MotionGrid):
-    """All pixels of a ``block x block`` square of target pixels take the motion of the frontmost one in it (lowest depth).
+    """The motion of the frontmost pixel (lowest depth) of each ``block x block`` square of target pixels.
 
-    Blocks start at the image's top-left corner; those at the right and bottom end with the image. A target pixel has motion and
-    depth of the low-resolution pixel that covers it, so that at a scale that does not divide the block a low-resolution pixel
-    can count in two. Of equal depths the first by rows and columns wins, on which the paper is silent.
+    Blocks start at the image's top-left corner; those at the right and at the bottom end with the image. A target pixel
+    has the motion and depth of the low-resolution pixel that covers it, so at a scale that does not divide the block a
+    low-resolution pixel can count in two blocks. Of equal depths the first by rows and columns wins; the paper does not
+    say.
     """
 
     def __init__(self, block: int) -> None:
         super().__init__()
         if block < 1:
-            raise UserError(f"motion_grid.block must be 1 or more target pixels, got {block}; the paper has 8.")
+            raise UserError(f"Invalid motion_grid.block={block}: use at least 1 target pixel; the paper has 8.")
         self.block = block
 
     def forward(self, motion: Tensor, depth: Tensor, scale: int) -> Tensor:
         b, _, h, w = depth.shape
-        # The coarsest grid on which low-resolution pixels and blocks are both whole cells: repeat x h by repeat x w.
+        # The coarsest grid whose cells divide both low-resolution pixels and blocks: repeat * h by repeat * w.
         common = math.gcd(self.block, scale)
         repeat, cell = scale // common, self.block // common
         fine = depth.repeat_interleave(repeat, -2).repeat_interleave(repeat, -1)
@@ -56,9 +59,9 @@ class FrontmostOfBlock(MotionGrid):
 
 @final
 class BilinearMotion(MotionGrid):
-    """Bilinear upsampling without regard to depth: the row "(-) MV dilation" of table 3.
+    """Bilinear upsampling, independent of depth: the row "(-) MV dilation" of table 3.
 
-    The paper does not say how motion comes to target resolution there; this is what NSRR and DLCTUS do.
+    The paper does not say how motion is brought to the target resolution there; NSRR and DLCTUS do this.
     """
 
     def forward(self, motion: Tensor, depth: Tensor, scale: int) -> Tensor:

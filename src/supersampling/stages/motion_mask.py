@@ -1,4 +1,4 @@
-"""Slot ``motion_mask``: what tells the network which warped pixels were hidden (Li et al. 2024, NSRD, 3.2 and figure 8)."""
+"""Slot ``motion_mask``: a mask of the warped pixels that were hidden (Li et al. 2024, NSRD, 3.2 and figure 8)."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -12,10 +12,11 @@ from supersampling.ops.motion_mask import THRESHOLD, motion_mask
 
 
 class MotionMask(nn.Module, ABC):
-    """``forward(warped (B, C, h, w), vectors (B, V, h, w)) -> (B, C + channels, h, w)``; ``requires`` names what it reads.
+    """The warped inputs with a mask, ``forward(warped (B, C, h, w), vectors (B, V, h, w)) -> (B, C + channels, h, w)``.
 
-    ``vectors`` are those that lead from the current frame to the one that was warped: motion first, then what else the stage
-    needs. Over several frames they add up along the motion (`supersampling.ops.chain.chain`).
+    ``vectors`` lead from the current frame to the one that was warped: motion first, then what else the stage needs.
+    Over several frames they add up along the motion (`supersampling.ops.chain.chain`). ``requires`` names the buffers
+    that are read.
     """
 
     channels: int
@@ -23,7 +24,7 @@ class MotionMask(nn.Module, ABC):
 
     @abstractmethod
     def vectors(self, frame: Frame) -> Tensor:
-        """``(B, V, h, w)`` to the frame before, in units of the image: motion in the first two channels."""
+        """Return the vectors ``(B, V, h, w)`` to the previous frame, in units of the image; motion comes first."""
 
     @abstractmethod
     def forward(self, warped: Tensor, vectors: Tensor) -> Tensor: ...
@@ -31,9 +32,10 @@ class MotionMask(nn.Module, ABC):
 
 @final
 class DualMotionMask(MotionMask):
-    """A channel that is 1 where dual and traditional motion vectors differ by ``threshold`` low-resolution pixels or more.
+    """A channel that is 1 where dual and traditional motion differ by at least ``threshold`` low-resolution pixels.
 
-    The paper does not say what the mask of the frame before last is: here that of the differences summed along the motion.
+    The paper does not say what the mask of the frame before last is: here it is computed from the differences, summed
+    along the motion.
     """
 
     channels = 1
@@ -43,14 +45,14 @@ class DualMotionMask(MotionMask):
         super().__init__()
         if not threshold > 0.0:
             raise UserError(
-                f"motion_mask.threshold must be above 0 low-resolution pixels, got {threshold}; the paper has 0.1."
+                f"Invalid motion_mask.threshold={threshold}: use a positive number of low-resolution pixels; "
+                "the paper has 0.1."
             )
         self.threshold = threshold
 
     def vectors(self, frame: Frame) -> Tensor:
-        assert frame.motion is not None
-        assert frame.motion_dual is not None
-        return torch.cat((frame.motion, frame.motion_dual - frame.motion), dim=1)
+        motion, dual = frame.need("motion", "motion_dual")
+        return torch.cat((motion, dual - motion), dim=1)
 
     def forward(self, warped: Tensor, vectors: Tensor) -> Tensor:
         _, _, h, w = vectors.shape
@@ -59,17 +61,16 @@ class DualMotionMask(MotionMask):
 
 @final
 class NoMotionMask(MotionMask):
-    """No mask: the gated convolution reads the warped buffers alone, and has to guess (figure 8).
+    """No mask: the gated convolution reads the warped buffers only (figure 8).
 
-    The paper does not say how that row was wired; this is the smallest change that removes the mask.
+    The paper does not say how that variant was wired; this is the smallest change that removes the mask.
     """
 
     channels = 0
     requires = frozenset({"motion"})
 
     def vectors(self, frame: Frame) -> Tensor:
-        assert frame.motion is not None
-        return frame.motion
+        return frame.need("motion")
 
     def forward(self, warped: Tensor, vectors: Tensor) -> Tensor:
         return warped

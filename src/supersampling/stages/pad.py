@@ -1,4 +1,4 @@
-"""Slot ``pad``: what stands in for history from outside the previous image (Swensen 2021, 4.1.2), or that is not finite."""
+"""Slot ``pad``: the substitute for history that is not finite or outside the previous image (Swensen 2021, 4.1.2)."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -10,10 +10,10 @@ from supersampling.ops.warp import broken_pixels, outside
 
 
 class Pad(nn.Module, ABC):
-    """``forward(history, aligned (B, C, H, W), motion (B, 2, H, W)) -> (B, C, H, W)``.
+    """The padded history, ``forward(history, aligned (B, C, H, W), motion (B, 2, H, W)) -> (B, C, H, W)``.
 
-    ``aligned`` is the jitter-aligned input in the history's channels. A history that is not finite is replaced here, too: it
-    would stay so, and spread with every reprojection.
+    ``aligned`` is the jitter-aligned input in the history's channels. Values that are not finite are replaced here as
+    well: they would stay in the history, and spread with every reprojection.
     """
 
     @abstractmethod

@@ -1,7 +1,7 @@
-"""Slot ``rectify``: how wrong history is pulled to the current frame's colours (Swensen 2021, 2.4.4).
+"""Slot ``rectify``: the correction of wrong history towards the current frame's colours (Swensen 2021, 2.4.4).
 
-The bounds are those of the 3x3 low-resolution neighbourhood of each target pixel; pixels outside the image do
-not count.
+The bounds are those of the 3x3 low-resolution neighbourhood of each target pixel; pixels outside the image do not
+count.
 """
 
 from abc import ABC, abstractmethod
@@ -15,7 +15,7 @@ from supersampling.stages.colour_space import ColourSpace
 
 
 class Rectify(nn.Module, ABC):
-    """``forward(history (B, 3, H, W), color (B, 3, h, w)) -> (B, 3, H, W)``, all RGB."""
+    """The rectified history, ``forward(history (B, 3, H, W), color (B, 3, h, w)) -> (B, 3, H, W)``, all RGB."""
 
     @abstractmethod
     def forward(self, history: Tensor, color: Tensor) -> Tensor: ...
@@ -23,7 +23,7 @@ class Rectify(nn.Module, ABC):
 
 @final
 class NoRectification(Rectify):
-    """History as it is."""
+    """The history unchanged."""
 
     def forward(self, history: Tensor, color: Tensor) -> Tensor:
         return history
@@ -31,7 +31,7 @@ class NoRectification(Rectify):
 
 @final
 class Clamp(Rectify):
-    """Each channel of the history, in ``space``, clamped into the box (the thesis's TUS)."""
+    """Each channel of the history, in ``space``, clamped to the bounding box (the thesis's TUS)."""
 
     def __init__(self, space: ColourSpace) -> None:
         super().__init__()
@@ -45,7 +45,7 @@ class Clamp(Rectify):
 
 @final
 class Clip(Rectify):
-    """The history moved along the line to the neighbourhood's mean until it enters the box."""
+    """The history moved on a straight line towards the neighbourhood's mean until it enters the bounding box."""
 
     def __init__(self, space: ColourSpace) -> None:
         super().__init__()
@@ -58,15 +58,14 @@ class Clip(Rectify):
         low, high, mean = (_to_target(x, history) for x in (low, high, mean))
         away = self.space.of_rgb(history) - mean
         reach = torch.where(away > 0.0, high - mean, low - mean)
-        # A channel that agrees with the mean sets no limit (0 / 0); the mean may miss the box by one rounding
-        # step.
+        # A channel equal to the mean sets no limit (0 / 0); the mean may lie outside the box by one rounding step.
         step = torch.where(away == 0.0, 1.0, reach / torch.where(away == 0.0, 1.0, away))
         step = step.amin(dim=1, keepdim=True).clamp(0.0, 1.0)
         return self.space.to_rgb(mean + step * away)
 
 
 def _box(color: Tensor) -> tuple[Tensor, Tensor]:
-    """Per-channel minimum and maximum of the 3x3 neighbourhood, ``(B, 3, h, w)`` each."""
+    """Return the minimum and maximum of each channel in the 3x3 neighbourhood, ``(B, 3, h, w)`` each."""
     high = F.max_pool2d(color, kernel_size=3, stride=1, padding=1)
     low = -F.max_pool2d(-color, kernel_size=3, stride=1, padding=1)
     return low, high

@@ -1,4 +1,4 @@
-"""Slot ``recur``: what a frame's network takes from the one before it (Li et al. 2024, NSRD, section 3.3 and table 6)."""
+"""Slot ``recur``: the recurrence from the previous frame's network (Li et al. 2024, NSRD, section 3.3 and table 6)."""
 
 from abc import ABC, abstractmethod
 from typing import Protocol, final
@@ -8,15 +8,18 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 from supersampling.ops.warp import warp
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 
 FEATURES = 32  # of the previous output (supplement, 4.2)
 
 
 class Recur(nn.Module, ABC):
-    """``forward(shallow (B, C, h, w), motion (B, 2, s h, s w), carried) -> (features (B, width, h, w), memory)``.
+    """The recurrent step of the network.
 
-    ``motion`` is that at the output's pixels, in units of the image. ``carried`` is what `carry` made of the previous frame's
-    ``memory`` and output, ``()`` on a clip's first frame. Both are tuples of tensors, batch first.
+    ``forward(shallow (B, C, h, w), motion (B, 2, s h, s w), carried) -> (features (B, width, h, w), memory)``.
+
+    ``motion`` is given at the output's pixels, in units of the image. ``carried`` is what `carry` returned for the
+    previous frame's output and ``memory``, ``()`` on a clip's first frame. Both are tuples of tensors, batch first.
     """
 
     @abstractmethod
@@ -26,20 +29,20 @@ class Recur(nn.Module, ABC):
 
     @abstractmethod
     def carry(self, output: Tensor, memory: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
-        """What the next frame is handed: of the output ``(B, 3, s h, s w)`` and the memory of the current one."""
+        """Return what the next frame needs of the current output ``(B, 3, s h, s w)`` and memory."""
 
 
 class MakeRecur(Protocol):
-    """A `Recur` class, or a partial of one: the model knows the widths."""
+    """A `Recur` class, or a partial of one; the model supplies the widths."""
 
     def __call__(self, *, channels: int, width: int, scale: int) -> Recur: ...
 
 
 class ConvLSTM(nn.Module):
-    """One step of Shi et al. 2015 (equation 3, without its peepholes, as the published parameter count has it).
+    """One step of Shi et al. 2015 (equation 3, without its peepholes, which agrees with the published parameter count).
 
-    ``forward(x (B, channels, h, w), hidden, cell (B, width, h, w)) -> (hidden, cell)``. The cell keeps its own type: under
-    autocast a sum over a whole clip stays in float32.
+    ``forward(x (B, channels, h, w), hidden, cell (B, width, h, w)) -> (hidden, cell)``. The cell keeps its own type, so
+    that under autocast its sum over a whole clip stays in float32.
     """
 
     def __init__(self, channels: int, width: int) -> None:
@@ -53,18 +56,29 @@ class ConvLSTM(nn.Module):
         return show.sigmoid() * cell.tanh(), cell
 
 
+def _bias_of_gates(stage: "Recurrent") -> Tensor | None:
+    """Return the bias of the gates write, keep and show, ``(3 * width,)``, without that of the value."""
+    bias = stage.lstm.gates.bias
+    return None if bias is None else bias[: 3 * stage.width]
+
+
 @final
 class Recurrent(Recur):
     """The previous output and a ConvLSTM's state.
 
-    The output is warped, borders repeated, and taken apart into ``3 s**2`` low-resolution channels. A clip's first frame has
-    zeros for it and for the state.
+    The output is warped, with borders repeated, and rearranged into ``3 s**2`` low-resolution channels. A clip's first
+    frame has zeros for the output and for the state.
 
     Args:
-        channels: shallow features ``C``.
-        width: of the ConvLSTM's state.
+        channels: number ``C`` of shallow features.
+        width: channels of the ConvLSTM's state.
         scale: ``s``.
     """
+
+    extremes = (
+        Gate("gate/cell keeps all", "NSRD: the cell adds up and never forgets.", bias_at(OPEN, _bias_of_gates)),
+        Gate("gate/cell keeps nothing", "NSRD: all gates of the cell are shut.", bias_at(SHUT, _bias_of_gates)),
+    )
 
     def __init__(self, *, channels: int, width: int, scale: int) -> None:
         super().__init__()
@@ -78,14 +92,14 @@ class Recurrent(Recur):
         b, _, height, width = motion.shape
         if carried:
             output, hidden, cell = carried
-            # Nothing that is not finite is taken over: the cell and the loop through the network would keep it.
+            # Values that are not finite are dropped: the cell and the loop through the network would keep them.
             previous = torch.nan_to_num(warp(output, motion), 0.0, 0.0, 0.0)
             hidden, cell = (torch.nan_to_num(memory, 0.0, 0.0, 0.0) for memory in (hidden, cell))
         else:
             previous = motion.new_zeros((b, 3, height, width))
             hidden = cell = motion.new_zeros((b, self.width, height // self.scale, width // self.scale))
-        before = self.first(F.pixel_unshuffle(previous, self.scale))
-        hidden, cell = self.lstm(torch.cat((shallow, before), dim=1), hidden, cell)
+        features = self.first(F.pixel_unshuffle(previous, self.scale))
+        hidden, cell = self.lstm(torch.cat((shallow, features), dim=1), hidden, cell)
         return hidden, (hidden, cell)
 
     def carry(self, output: Tensor, memory: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
@@ -94,9 +108,9 @@ class Recurrent(Recur):
 
 @final
 class NotRecurrent(Recur):
-    """Nothing is taken over: a convolution and ReLU stand where the ConvLSTM was.
+    """No recurrence: a convolution and a ReLU take the place of the ConvLSTM.
 
-    The paper does not say how row A of its table 6 was wired. Arguments as in `Recurrent`; ``scale`` is not read.
+    The paper does not say how row A of its table 6 was wired. Arguments as in `Recurrent`; ``scale`` is not used.
     """
 
     def __init__(self, *, channels: int, width: int, scale: int) -> None:

@@ -1,5 +1,4 @@
-"""Slot ``reproject``: how the history is interpolated at the previous position (Swensen 2021, 4.1.2 and
-5.5.1)."""
+"""Slot ``reproject``: the interpolation of the history at the previous position (Swensen 2021, 4.1.2 and 5.5.1)."""
 
 from abc import ABC, abstractmethod
 from functools import partial
@@ -18,8 +17,10 @@ from supersampling.ops.warp import warp
 
 
 class Reproject(nn.Module, ABC):
-    """``forward(history (B, C, H, W), motion (B, 2, H, W)) -> (B, C, H, W)``; zero motion is the identity to
-    the bit."""
+    """The warped history, ``forward(history (B, C, H, W), motion (B, 2, H, W)) -> (B, C, H, W)``.
+
+    Zero motion is the identity, bit for bit.
+    """
 
     @abstractmethod
     def forward(self, history: Tensor, motion: Tensor) -> Tensor: ...
@@ -35,10 +36,9 @@ class Bilinear(Reproject):
 
 @final
 class Bicubic5(Reproject):
-    """Five fetches: the cubic kernel without its corners, renormalised, as Unreal Engine 4 does with ``a =
-    -0.5``.
+    """Five fetches: the cubic kernel without its corners, renormalised, as in Unreal Engine 4 with ``a = -0.5``.
 
-    The thesis set ``a = -0.75`` and saw errors that grow over time in rare places (6.1.1).
+    The thesis set ``a = -0.75`` and observed errors that grow over time in rare places (6.1.1).
     """
 
     def __init__(self, a: float = TORCH_CUBIC) -> None:
@@ -51,7 +51,7 @@ class Bicubic5(Reproject):
 
 @final
 class Bicubic9(Reproject):
-    """The full cubic kernel; ``a = -0.75`` is PyTorch's and the thesis's, ``a = -0.5`` is Catmull-Rom."""
+    """The full cubic kernel; PyTorch and the thesis have ``a = -0.75``, Catmull-Rom is ``a = -0.5``."""
 
     def __init__(self, a: float = TORCH_CUBIC) -> None:
         super().__init__()

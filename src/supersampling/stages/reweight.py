@@ -1,4 +1,4 @@
-"""Slot ``reweight``: how much each pixel of each previous frame is trusted (Xiao et al. 2020, 3.2.3 and table 10)."""
+"""Slot ``reweight``: a weight of each pixel of each previous frame (Xiao et al. 2020, 3.2.3 and table 10)."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -7,14 +7,16 @@ import torch
 from torch import Tensor, nn
 
 from supersampling.errors import UserError
+from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at
 
 RGBD = 4
 
 
 class Reweight(nn.Module, ABC):
-    """``forward(current (B, C, H, W), past (B, previous, C, H, W)) -> past``, reweighted.
+    """The reweighted previous frames, ``forward(current (B, C, H, W), past (B, previous, C, H, W)) -> past``.
 
-    Colour and depth are the first four of the ``C`` channels. An option is called with the number of ``previous`` frames.
+    Colour and depth are the first four of the ``C`` channels. A method calls the option with the number of ``previous``
+    frames.
     """
 
     @abstractmethod
@@ -25,14 +27,24 @@ class Reweight(nn.Module, ABC):
 class LearnedWeights(Reweight):
     """A weight in (0, limit) for each pixel of each previous frame, on all its channels (figure 4, orange).
 
-    Three convolutions 3x3, 32-32-previous, over colour and depth of all frames; ReLU twice (the text names no activation), then
-    tanh, mapped from (-1, 1) to (0, limit). 13,314 parameters with 2 previous frames, 16,196 with 4.
+    Three convolutions 3x3, 32-32-previous, over colour and depth of all frames; two ReLUs (the text names no
+    activation), then a tanh, mapped from (-1, 1) to (0, limit). 13,314 parameters with 2 previous frames, 16,196 with
+    4.
     """
+
+    extremes = (
+        Gate("reweight/0", "NSRR: previous frames have weight 0.", bias_at(SHUT, lambda m: m.network[-2].bias)),
+        Gate(
+            "reweight/limit",
+            "NSRR: previous frames have the largest weight, 10.",
+            bias_at(OPEN, lambda m: m.network[-2].bias),
+        ),
+    )
 
     def __init__(self, previous: int, width: int = 32, limit: float = 10.0) -> None:
         super().__init__()
         if not limit > 0.0:
-            raise UserError(f"model.reweight.limit must be above 0, got {limit}; the paper has 10.")
+            raise UserError(f"Invalid model.reweight.limit={limit}: use a positive number; the paper has 10.")
         self.limit = limit
         self.network = nn.Sequential(
             nn.Conv2d(RGBD * (previous + 1), width, 3, padding=1),
@@ -44,14 +56,14 @@ class LearnedWeights(Reweight):
         )
 
     def forward(self, current: Tensor, past: Tensor) -> Tensor:
-        seen = torch.cat((current[:, :RGBD], past[:, :, :RGBD].flatten(1, 2)), dim=1)
-        weights = (self.network(seen) + 1.0) * (0.5 * self.limit)
+        rgbd = torch.cat((current[:, :RGBD], past[:, :, :RGBD].flatten(1, 2)), dim=1)
+        weights = (self.network(rgbd) + 1.0) * (0.5 * self.limit)
         return past * weights.unsqueeze(2)
 
 
 @final
 class NoReweighting(Reweight):
-    """Previous frames as they are (table 10)."""
+    """Previous frames unchanged (table 10)."""
 
     def __init__(self, previous: int) -> None:
         super().__init__()

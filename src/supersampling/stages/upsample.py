@@ -1,4 +1,4 @@
-"""Slot ``upsample``: how low-resolution samples reach the target resolution (Xiao et al. 2020, 3.2.2 and table 9)."""
+"""Slot ``upsample``: the placement of samples at the target resolution (Xiao et al. 2020, 3.2.2 and table 9)."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -9,9 +9,9 @@ from supersampling.ops.resample import jitter_aligned_upsample, zero_upsample
 
 
 class Upsample(nn.Module, ABC):
-    """``forward(image (B, C, h, w), jitter (B, 2), scale) -> (B, C, scale * h, scale * w)``.
+    """The upsampled image, ``forward(image (B, C, h, w), jitter (B, 2), scale) -> (B, C, scale * h, scale * w)``.
 
-    The paper samples at pixel centres. Jittered samples go where they were taken, as in every method here.
+    The paper samples at pixel centres. Jittered samples are placed where they were taken, as in every method here.
     """
 
     @abstractmethod
@@ -20,10 +20,10 @@ class Upsample(nn.Module, ABC):
 
 @final
 class ZeroUpsampling(Upsample):
-    """Every sample at the target pixel that holds it, zeros around it.
+    """Each sample at the target pixel that contains it, zeros around it.
 
-    At an even scale a pixel's centre lies between four target pixels; which one takes it the paper leaves open: the one
-    right of and below the centre.
+    At an even scale a pixel's centre lies between four target pixels, and the paper does not say which one takes the
+    sample: here the one to the right of and below the centre.
     """
 
     def forward(self, image: Tensor, jitter: Tensor, scale: int) -> Tensor:
@@ -32,7 +32,7 @@ class ZeroUpsampling(Upsample):
 
 @final
 class BilinearUpsampling(Upsample):
-    """Bilinear interpolation between the samples, borders repeated."""
+    """Bilinear interpolation between the samples, with borders repeated."""
 
     def forward(self, image: Tensor, jitter: Tensor, scale: int) -> Tensor:
         return jitter_aligned_upsample(image, jitter, scale)

@@ -1,7 +1,7 @@
-"""Slot ``warp_at``: the resolution at which previous frames are kept and warped (Xiao et al. 2020, 3.2.2 and table 9).
+"""Slot ``warp_at``: the resolution of stored and warped previous frames (Xiao et al. 2020, 3.2.2 and table 9).
 
-Backward warps, bilinear. What comes from outside the previous image is zero, as where no sample was taken; the paper is
-silent on it, and Swensen 2021, 4.1.2, says that it pads with zeros.
+Backward warps, bilinear. Pixels from outside the previous image are zero, as are pixels without a sample; the paper
+does not say so, but Swensen 2021, 4.1.2, says that it pads with zeros.
 """
 
 from abc import ABC, abstractmethod
@@ -17,32 +17,32 @@ State = tuple[Tensor, ...]
 
 
 class WarpAt(nn.Module, ABC):
-    """``enter`` brings a frame to the resolution that is warped at, ``leave`` to the target resolution.
+    """The window of previous frames: ``enter`` brings a frame to the window's resolution, ``leave`` to the target's.
 
-    In between, ``keep`` makes a state of the window of frames, and ``forward`` on the next frame a window of the state.
-    ``jitter`` is the frame's ``(B, 2)`` (x, y) in low-resolution pixels, ``scale`` a whole number.
+    In between, ``keep`` turns the window of frames into a state, and on the next frame ``forward`` turns the state into
+    a window. ``jitter`` is the frame's, ``(B, 2)`` (x, y) in low-resolution pixels; ``scale`` is a whole number.
     """
 
     @abstractmethod
     def enter(self, features: Tensor, jitter: Tensor, scale: int, upsample: Upsample) -> Tensor:
-        """This frame's features ``(B, C, h, w)`` as the window holds them, ``(B, C, ., .)``."""
+        """Return this frame's features ``(B, C, h, w)`` at the window's resolution, ``(B, C, ., .)``."""
 
     @abstractmethod
     def keep(self, window: Tensor, jitter: Tensor) -> State:
-        """The state: the window, any number of channels, and what its next warp needs."""
+        """Return the state: the window, with any number of channels, and what its next warp needs."""
 
     @abstractmethod
     def forward(self, state: State, motion: Tensor, jitter: Tensor) -> Tensor:
-        """The previous frame's window seen from this frame, by ``motion (B, 2, h, w)`` in image units."""
+        """Return the previous frame's window warped to this frame by ``motion (B, 2, h, w)``, in units of the image."""
 
     @abstractmethod
     def leave(self, window: Tensor, jitter: Tensor, scale: int, upsample: Upsample) -> Tensor:
-        """The window at the target resolution ``(B, C, H, W)``."""
+        """Return the window at the target resolution, ``(B, C, H, W)``."""
 
 
 @final
 class TargetResolution(WarpAt):
-    """Upsample, then warp by the bilinearly upsampled motion: the paper's way. Zero motion is the identity to the bit."""
+    """Upsampling, then a warp by the bilinearly upsampled motion, as in the paper; no motion is the exact identity."""
 
     def enter(self, features: Tensor, jitter: Tensor, scale: int, upsample: Upsample) -> Tensor:
         return upsample(features, jitter, scale)
@@ -61,10 +61,11 @@ class TargetResolution(WarpAt):
 
 @final
 class LowResolution(WarpAt):
-    """Warp, then upsample (the first two rows of table 9).
+    """A warp, then upsampling (the first two rows of table 9).
 
-    A low-resolution image does not say where in its pixels the samples lie, so the change of jitter is added to the motion, and
-    the state holds the jitter. Without jitter, as in the paper, nothing is added, and zero motion is the identity to the bit.
+    A low-resolution image does not contain the positions of the samples in its pixels, so the change of jitter is added
+    to the motion, and the state holds the jitter. Without jitter, as in the paper, nothing is added, and zero motion is
+    the exact identity.
     """
 
     def enter(self, features: Tensor, jitter: Tensor, scale: int, upsample: Upsample) -> Tensor:

@@ -1,14 +1,14 @@
-"""Residual channel attention, and the U-shaped module made of it (Li et al. 2024, NSRD, supplement, section 3 and figure 4)."""
+"""Residual channel attention and the U-shaped module of NSRD (Li et al. 2024, supplement, section 3 and figure 4)."""
 
 import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-REDUCTION = 16  # of the channels inside the attention (Zhang et al. 2018, section 4.1)
+REDUCTION = 16  # divisor of the channels inside the attention (Zhang et al. 2018, section 4.1)
 
 
 class ChannelAttention(nn.Module):
-    """Every channel times a factor in (0, 1) that comes from all channels' means over the image (Zhang et al. 2018, 3.3)."""
+    """Each channel times a factor in (0, 1), computed from the means of all channels (Zhang et al. 2018, 3.3)."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
@@ -22,7 +22,7 @@ class ChannelAttention(nn.Module):
 
 
 class ResidualAttention(nn.Module):
-    """RCAB: ``x + attention(conv(relu(conv(x))))``, ``(B, width, h, w)`` in and out (Zhang et al. 2018, equations 12, 13)."""
+    """RCAB: ``x + attention(conv(relu(conv(x))))`` on ``(B, width, h, w)`` (Zhang et al. 2018, equations 12 and 13)."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
@@ -36,17 +36,17 @@ class ResidualAttention(nn.Module):
 
 
 def blocks(count: int, width: int) -> nn.Sequential:
-    """``count`` residual attention blocks, one after the other."""
+    """Return a sequence of ``count`` residual attention blocks."""
     return nn.Sequential(*(ResidualAttention(width) for _ in range(count)))
 
 
-def halved(x: Tensor) -> Tensor:
-    """Max-pooled by 2; an odd last row or column is dropped, and an axis of one pixel stays."""
+def halve(x: Tensor) -> Tensor:
+    """Max-pool by 2; an odd last row or column is dropped, and an axis of one pixel stays."""
     return F.max_pool2d(x, (min(2, x.shape[-2]), min(2, x.shape[-1])))
 
 
-def doubled(x: Tensor, like: Tensor) -> Tensor:
-    """Bilinearly upsampled by 2 to ``like``'s size: what `halved` dropped is repeated from its neighbours."""
+def double(x: Tensor, like: Tensor) -> Tensor:
+    """Upsample bilinearly by 2 to the size of ``like``, repeating the last row or column where `halve` dropped one."""
     height, width = like.shape[-2:]
     x = F.interpolate(x, scale_factor=2, mode="bilinear", align_corners=False)[..., :height, :width]
     below, right = height - x.shape[-2], width - x.shape[-1]
@@ -54,10 +54,10 @@ def doubled(x: Tensor, like: Tensor) -> Tensor:
 
 
 class UShaped(nn.Module):
-    """``(B, width, h, w) -> (B, width, h, w)`` of 3, 2, 3, 2, 3 blocks at full, half, quarter, half and full size.
+    """3, 2, 3, 2, 3 blocks at full, half, quarter, half and full size: ``(B, width, h, w) -> (B, width, h, w)``.
 
-    Any size from 1x1 up. The upsampling has pixel edges in common with the pooling (``align_corners=False``), of which the
-    paper says no more than "bilinear".
+    The image may have any size. The upsampling aligns pixel edges with the pooling (``align_corners=False``); the paper
+    only says "bilinear".
     """
 
     def __init__(self, width: int) -> None:
@@ -71,8 +71,8 @@ class UShaped(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         full = self.down1(x)
-        half = self.down2(halved(full))
-        x = self.centre(halved(half))
-        x = self.up2(self.join2(torch.cat((doubled(x, half), half), dim=1)))
-        x = self.up1(self.join1(torch.cat((doubled(x, full), full), dim=1)))
+        half = self.down2(halve(full))
+        x = self.centre(halve(half))
+        x = self.up2(self.join2(torch.cat((double(x, half), half), dim=1)))
+        x = self.up1(self.join1(torch.cat((double(x, full), full), dim=1)))
         return x

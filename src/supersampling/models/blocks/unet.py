@@ -1,4 +1,4 @@
-"""The U-Net that reconstructs NSRR's images (Xiao et al. 2020, 3.2.4)."""
+"""The U-Net of NSRR's reconstruction (Xiao et al. 2020, 3.2.4)."""
 
 import torch
 import torch.nn.functional as F
@@ -6,21 +6,22 @@ from torch import Tensor, nn
 
 from supersampling.errors import UserError
 
-SHRINK = 4  # of the U-Net's coarsest scale
+SHRINK = 4  # factor of the U-Net's coarsest scale
 
 
 class UNet(nn.Module):
-    """Ten convolutions 3x3 at three scales, 64-32, 64-64, 128-128, 64-64, 32-3 (figure 4, blue), any size from 1x1 up.
+    """Ten convolutions 3x3 at three scales, 64-32, 64-64, 128-128, 64-64, 32-3 (figure 4, blue), of any image size.
 
-    ``(B, channels, H, W) -> (B, 3, H, W)``. The text leaves open what lies between them: 2x2 max pooling downwards, bilinear
-    interpolation upwards, a scale's last features concatenated after the upsampled ones, ReLU after every convolution but the
-    last. A size that is no multiple of 4 is padded with zeros to the right and below, and the output cropped.
+    ``(B, channels, H, W) -> (B, 3, H, W)``. The text does not say what lies between them: here 2x2 max pooling
+    downwards, bilinear interpolation upwards, a scale's last features concatenated after the upsampled ones, and a ReLU
+    after every convolution except the last. An image whose size is not a multiple of 4 is padded with zeros to the
+    right and below, and the output is cropped.
     """
 
     def __init__(self, channels: int, width: int = 64) -> None:
         super().__init__()
         if width < 2 or width % 2:
-            raise UserError(f"model.width must be an even number from 2 up, got {width}; the paper has 64 and 32.")
+            raise UserError(f"Invalid model.width={width}: use an even number, at least 2; the paper has 64 and 32.")
         half = width // 2
         self.fine = _pair(channels, width, half)
         self.middle = _pair(half, width, width)
@@ -34,9 +35,9 @@ class UNet(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         height, width = x.shape[-2:]
-        below, right = -height % SHRINK, -width % SHRINK
-        if below or right:
-            x = F.pad(x, (0, right, 0, below))
+        bottom, right = -height % SHRINK, -width % SHRINK
+        if bottom or right:
+            x = F.pad(x, (0, right, 0, bottom))
         fine = self.fine(x)
         middle = self.middle(F.max_pool2d(fine, 2))
         coarse = self.coarse(F.max_pool2d(middle, 2))

@@ -1,4 +1,4 @@
-"""NSRD written down once more, from its paper's sections 3.1 to 3.3 and figure 2, one frame at a time with nothing shared.
+"""A second implementation of NSRD, from sections 3.1 to 3.3 and figure 2 of its paper, without shared code.
 
 Everything is one clip ``(C, h, w)`` in float64; sampling is a loop over pixels.
 """
@@ -10,7 +10,7 @@ import torch.nn.functional as F
 
 
 def sample(image, x, y):
-    """Bilinear, at a position in units of the image, borders repeated."""
+    """Return the bilinear sample at a position in units of the image, with borders repeated."""
     _, h, w = image.shape
     x, y = min(max(x * w - 0.5, 0.0), w - 1.0), min(max(y * h - 0.5, 0.0), h - 1.0)
     j, i = min(math.floor(x), w - 1), min(math.floor(y), h - 1)
@@ -21,7 +21,7 @@ def sample(image, x, y):
 
 
 def warp(image, vectors, shift=(0.0, 0.0)):
-    """``shift``: of the samples from this image's pixel centres to the other's, in units of the image."""
+    """Warp by ``vectors``; ``shift`` is that of the samples between the two images, in units of the image."""
     _, h, w = vectors.shape
     out = torch.empty(image.shape[0], h, w, dtype=image.dtype)
     for i in range(h):
@@ -32,7 +32,7 @@ def warp(image, vectors, shift=(0.0, 0.0)):
 
 
 def enlarge(vectors, s, offset=(0.0, 0.0)):
-    """``offset``: of the samples from the pixel centres, in units of the image."""
+    """Upsample bilinearly; ``offset`` is that of the samples from the pixel centres, in units of the image."""
     c, h, w = vectors.shape
     out = torch.empty(c, h * s, w * s, dtype=vectors.dtype)
     for i in range(h * s):
@@ -86,7 +86,7 @@ def fit(x, like):
 
 
 def shuffle(x, s):
-    """Channel ``c s^2 + i s + j`` is row ``i`` and column ``j`` of each block of output channel ``c``."""
+    """Move channel ``c s^2 + i s + j`` to row ``i`` and column ``j`` of each block of output channel ``c``."""
     out = torch.empty(x.shape[0] // s**2, x.shape[1] * s, x.shape[2] * s, dtype=x.dtype)
     for k in range(x.shape[0]):
         out[k // s**2, k % s**2 // s :: s, k % s :: s] = x[k]
@@ -102,7 +102,7 @@ def lighting(frame):
 
 
 def offset(frame, located):
-    """Of a frame's samples from the pixel centres, in units of the image."""
+    """Return the offset of a frame's samples from the pixel centres, in units of the image."""
     _, h, w = frame["depth"].shape
     return (frame["jitter"] / torch.tensor([w, h])).tolist() if located else (0.0, 0.0)
 
@@ -117,9 +117,9 @@ def apart(here, there):
 
 
 def outputs(model, frames, located=False, based=False):
-    """Of a clip, a list of dictionaries of buffers ``(C, h, w)``; the model is the published one with 2 previous frames.
+    """Return the outputs of a clip, a list of buffers ``(C, h, w)`` by name; the model has 2 previous frames.
 
-    ``located``: samples are known to lie at pixel centre + jitter; every point is followed at its place in the scene's image.
+    ``located``: samples are known to lie at pixel centre + jitter; every point is followed at its position.
     ``based``: the network adds to the samples' bilinear interpolation.
     """
     s, results, inputs, hidden, cell = model.scale, [], [], None, None
@@ -129,7 +129,7 @@ def outputs(model, frames, located=False, based=False):
         known = (planes(frame),) if located else ()
         inputs.append(torch.cat((lighting(frame), frame["depth"], frame["normal"], *known)))
         shallow = [conv(inputs[t], model.first)]
-        # Every pixel is followed back through the frames; the first frame stands for those before it, standing still.
+        # Each pixel is followed back through the frames; the first frame stands in for those before it, without motion.
         back, hidden_by = torch.zeros(2, 2, h, w).double()
         for k in (1, 2):
             source, i = max(t - k, 0), t - k + 1

@@ -1,4 +1,4 @@
-"""Xiao et al. 2020, section 3.2, written down once more without a state, and what its tests share."""
+"""A second implementation of Xiao et al. 2020, section 3.2, without a state, and the helpers of its tests."""
 
 import torch
 import torch.nn.functional as F
@@ -64,7 +64,7 @@ def spread(image, jitter, scale):
 
 
 def back(image, motion):
-    """One warp of 3.2.2, with the library's own zeros a pixel beyond the border taken away."""
+    """Warp once as in 3.2.2, with zeros exactly outside the image instead of the library's, which fade over a pixel."""
     height, width = image.shape[2:]
     motion = F.interpolate(motion, size=(height, width), mode="bilinear", align_corners=False)
     x = (torch.arange(width, dtype=image.dtype) + 0.5) / width + motion[:, 0]
@@ -75,7 +75,7 @@ def back(image, motion):
 
 
 def transcribed(model, buffers, t, n, scale, guides=()):
-    """Frame ``t`` from its window, nothing carried over: figure 4 from left to right. ``guides`` names more inputs."""
+    """Return the output of frame ``t`` from its window (figure 4, left to right); ``guides`` names more inputs."""
 
     def conv(x, layer):
         return F.conv2d(x, layer.weight, layer.bias, padding=1)
@@ -95,7 +95,7 @@ def transcribed(model, buffers, t, n, scale, guides=()):
     current = spread(features(samples(t), model.extract.network), buffers["jitter"][:, t], scale)
     past = []
     for k in range(t - 1, t - 1 - n, -1):
-        start = max(k, 0)  # the first frame stands in for those before it, which stood still
+        start = max(k, 0)  # the first frame stands in for those before it, without motion
         image = spread(
             features(samples(start), model.previous_frames.extract.network),
             buffers["jitter"][:, start],
