@@ -16,11 +16,13 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from supersampling.data.store import Store
+from supersampling.metrics.base import FrameMetric, Moment
+from supersampling.metrics.directions import better
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.regions import Regions
 from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
-from supersampling.metrics.suite import Metric, Moment, Temporal
+from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.base import VideoMetric
 from supersampling.metrics.video.colorvideovdp import ColorVideoVdp
 from supersampling.metrics.video.static import StaticDeviation
@@ -31,11 +33,12 @@ from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import warp
 
 BUFFERS = ("target", "motion", "motion_dual", "target_radiance")
-FRAME_METRICS: list[Metric] = [PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP(), PSNRMu(1.0), FLIPHDR(-3, 3, 6),
-                               Temporal(), Regions()]  # fmt: skip
-CLIP_METRICS: list[VideoMetric] = [StaticDeviation(), WarpingError(DualMotion()), WarpingError(Photometric()), StRred(),
-                                   Vmaf(), ColorVideoVdp()]  # fmt: skip
-NOT_SCORES = ("fraction", "_reference", "_ratio")
+FRAME_METRICS: list[FrameMetric] = [
+    *(PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP(), PSNRMu(1.0), FLIPHDR(-3, 3, 6), Temporal(), Regions()),
+]
+CLIP_METRICS: list[VideoMetric] = [
+    *(StaticDeviation(), WarpingError(DualMotion()), WarpingError(Photometric()), StRred(), Vmaf(), ColorVideoVdp()),
+]
 BLIND = 0.05
 """Of the most that a metric makes of any fault here: what it makes less of, it hardly sees."""
 
@@ -125,7 +128,7 @@ def moments(clip: Clip, pictures: Pictures) -> Iterator[Moment]:
 
 
 @torch.inference_mode()
-def scores(clip: Clip, pictures: Pictures, metrics: list[Metric], videos: list[VideoMetric]) -> dict[str, float]:
+def scores(clip: Clip, pictures: Pictures, metrics: list[FrameMetric], videos: list[VideoMetric]) -> dict[str, float]:
     """Frames' values as means of those that there are."""
     found: dict[str, float] = {}
     for metric in metrics:
@@ -138,15 +141,14 @@ def scores(clip: Clip, pictures: Pictures, metrics: list[Metric], videos: list[V
             for moment in moments(clip, pictures):
                 scoring.add(moment)
             found |= scoring.finish()
-    return {name: value for name, value in found.items() if not any(word in name for word in NOT_SCORES)}
+    return {name: value for name, value in found.items() if better(name) != "neither"}
 
 
 def loss(name: str, value: float, perfect: float) -> float:
     """0 for the target itself, more is worse; of decibels, the error's root mean square."""
     if name.startswith("psnr"):
         return 10.0 ** (-value / 20.0)
-    higher = name.startswith(("ssim", "mssim", "vmaf", "cvvdp"))
-    return perfect - value if higher else value - perfect
+    return perfect - value if better(name) == "higher" else value - perfect
 
 
 def blind_to(name: str, values: dict[str, float]) -> set[str]:

@@ -18,8 +18,8 @@ from supersampling.errors import UserError
 from supersampling.evaluation.playback import recorded_methods
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.result import evaluate
-from supersampling.metrics.chosen import Metrics
 from supersampling.metrics.prepare import Continuous
+from supersampling.metrics.selection import Metrics
 from supersampling.metrics.still import PSNR
 
 LOW = Path("TestSet/World/540p")

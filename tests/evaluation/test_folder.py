@@ -12,8 +12,8 @@ from supersampling.evaluation.folder import clip_files
 from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, Targets
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.result import evaluate
-from supersampling.metrics.chosen import Metrics
 from supersampling.metrics.prepare import Continuous
+from supersampling.metrics.selection import Metrics
 from supersampling.metrics.still import PSNR
 
 SIZE = 48

@@ -12,9 +12,9 @@ from supersampling.errors import UserError
 from supersampling.evaluation.crops import detailed_corner
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.result import evaluate
-from supersampling.metrics.chosen import Metrics
 from supersampling.metrics.prepare import Continuous, EightBit
 from supersampling.metrics.scores import read_scores
+from supersampling.metrics.selection import Metrics
 from supersampling.metrics.still import PSNR
 from supersampling.metrics.video.base import Scoring, VideoMetric
 from supersampling.models.base import Upsampler
@@ -22,10 +22,9 @@ from supersampling.models.bicubic import Bicubic
 
 
 class Count(VideoMetric):
-    """How many frames a clip's scoring saw, and the mean of its targets."""
+    """The number of frames that the scoring of a clip received, and the mean of its targets."""
 
     names = ("seen", "brightness")
-    requires = frozenset({"target"})
 
     def begin(self):
         return _Counting()
@@ -155,5 +154,5 @@ def test_metrics_of_an_earlier_evaluation_are_kept(path, tmp_path):
 
 
 def test_a_warm_up_longer_than_the_clips_is_told(path):
-    with pytest.raises(UserError, match="warm_up=5 leaves nothing of the 5 frames"):
+    with pytest.raises(UserError, match="warm_up=5: use less than the 5 frames"):
         evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(Continuous(), warm_up=5), [path])

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.store import Store
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.base import Moment
 from supersampling.render.pool import render_files
 
 BUFFERS = frozenset({"color", "motion", "motion_dual", "target", "target_radiance"})

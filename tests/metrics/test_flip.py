@@ -10,8 +10,8 @@ import torch
 from PIL import Image
 
 from supersampling.errors import UserError
+from supersampling.metrics.base import Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
-from supersampling.metrics.suite import Moment
 
 EXPOSURES = {"start": -3, "stop": 3, "number": 6}
 
@@ -19,7 +19,7 @@ EXPOSURES = {"start": -3, "stop": 3, "number": 6}
 def moment(output, target, radiance=False):
     """Of arrays ``(H, W, 3)``."""
     a, b = (torch.from_numpy(np.asarray(i, np.float32)).permute(2, 0, 1)[None] for i in (output, target))
-    return Moment(a, b, radiance=(a, b) if radiance else None)
+    return Moment(output=a, target=b, radiance=(a, b) if radiance else None)
 
 
 def flat(colour, height=9, width=14):

@@ -9,10 +9,10 @@ import pytest
 import torch
 from scipy.ndimage import gaussian_filter
 
+from supersampling.metrics.base import FrameSuite, Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
-from supersampling.metrics.suite import Moment, Suite
 from supersampling.ops.display import displayed
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "metrics.md"
@@ -29,8 +29,8 @@ BLIND: dict[str, set[str]] = {
 RMS = 0.05
 SAME_RMS = ("noise", "brighter", "a blue tint", "a pattern of single pixels")
 
-DISPLAY = Suite([PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP()])
-RADIANCE = Suite([PSNRMu(1.0), FLIPHDR(start=-3, stop=3, number=6)])
+DISPLAY = FrameSuite([PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP()])
+RADIANCE = FrameSuite([PSNRMu(1.0), FLIPHDR(start=-3, stop=3, number=6)])
 
 _rng = np.random.default_rng(0)
 Y, X = np.mgrid[0:72, 0:96]
@@ -51,12 +51,12 @@ def shown(radiance):
 
 
 def display_scores(output, target):
-    return DISPLAY(Moment(tensor(output), tensor(target)))
+    return DISPLAY(Moment(output=tensor(output), target=tensor(target)))
 
 
 def radiance_scores(output, target):
     zeros = torch.zeros(1, 3, 1, 1)
-    return RADIANCE(Moment(zeros, zeros, radiance=(tensor(output), tensor(target))))
+    return RADIANCE(Moment(output=zeros, target=zeros, radiance=(tensor(output), tensor(target))))
 
 
 def loss(name, value):

@@ -11,8 +11,8 @@ import torch.nn.functional as F
 from torchvision.models.alexnet import AlexNet_Weights
 
 from supersampling.errors import UserError
+from supersampling.metrics.base import Moment
 from supersampling.metrics.lpips import LPIPS, trained
-from supersampling.metrics.suite import Moment
 
 # AlexNet (Krizhevsky 2014): its five convolutions, numbered as torchvision does; a pool of 3, stride 2 before 3 and 6.
 LAYERS = {
@@ -54,7 +54,11 @@ def picture(height=48, width=64):
     return torch.stack([0.5 + 0.4 * torch.sin(0.4 * x + 0.25 * y + c) for c in range(3)])[None]
 
 
-def lpips_plainly(output, target, state):
+def score(metric, output, target):
+    return metric(Moment(output=output, target=target))
+
+
+def expected_lpips(output, target, state):
     """Zhang et al. 2018, equation 1, with the weights of each channel that the package ships."""
     learned = torch.load(Path(lpips.__file__).parent / "weights/v0.1/alex.pth", "cpu")
     shift = torch.tensor([-0.030, -0.088, -0.188]).view(3, 1, 1)
@@ -76,29 +80,28 @@ def test_equals_its_equation(metric):
     g = torch.Generator().manual_seed(1)
     target = picture()
     output = (target + 0.1 * torch.randn(target.shape, generator=g)).clamp(0, 1)
-    expected = lpips_plainly(output, target, random_weights())
+    expected = expected_lpips(output, target, random_weights())
     assert metric.names == ("lpips_alex",)
     assert expected > 1e-3
-    assert metric(Moment(output, target)) == {"lpips_alex": pytest.approx(expected, abs=1e-4)}
+    assert score(metric, output, target) == {"lpips_alex": pytest.approx(expected, abs=1e-4)}
 
 
 def test_identical_and_black_frames_score_0(metric):
     for image in (picture(), torch.zeros(1, 3, 40, 40)):
-        assert metric(Moment(image, image))["lpips_alex"] == 0.0
+        assert score(metric, image, image)["lpips_alex"] == 0.0
 
 
 def test_more_noise_is_farther(metric):
     noise = torch.randn(1, 3, 48, 64, generator=torch.Generator().manual_seed(2))
-    distances = [
-        metric(Moment((picture() + a * noise).clamp(0, 1), picture()))["lpips_alex"] for a in (0.02, 0.06, 0.18)
-    ]
+    outputs = [(picture() + a * noise).clamp(0, 1) for a in (0.02, 0.06, 0.18)]
+    distances = [score(metric, output, picture())["lpips_alex"] for output in outputs]
     assert 0 < distances[0] < distances[1] < distances[2]
 
 
 def test_the_smallest_image(metric):
-    assert math.isfinite(metric(Moment(picture(31, 31), picture(31, 31)))["lpips_alex"])
+    assert math.isfinite(score(metric, picture(31, 31), picture(31, 31))["lpips_alex"])
     with pytest.raises(UserError, match="40x30"):
-        metric(Moment(picture(30, 40), picture(30, 40)))
+        score(metric, picture(30, 40), picture(30, 40))
 
 
 def test_without_weights_it_says_which_file_goes_where(tmp_path, monkeypatch):

@@ -17,7 +17,7 @@ from supersampling.metrics.image import psnr, ssim_gauss11
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.regions import Regions
 from supersampling.metrics.still import PSNR, SSIM
-from supersampling.metrics.suite import Temporal
+from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.static import StaticDeviation
 from supersampling.metrics.video.strred import StRred
 from supersampling.metrics.video.vmaf import Vmaf

@@ -13,12 +13,13 @@ from PIL import Image
 from scipy.ndimage import map_coordinates
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 
+from supersampling.metrics.base import Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.image import mssim_thesis, psnr, ssim_gauss11, ssim_uniform11
 from supersampling.metrics.prepare import EightBit
 from supersampling.metrics.radiance import psnr_hdr_mu
 from supersampling.metrics.regions import Regions
-from supersampling.metrics.suite import Moment, Temporal
+from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.base import to_bytes
 
 GAUSSIAN = {"gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False}

@@ -57,5 +57,5 @@ def test_without_a_span_there_is_no_value():
     values = score(StaticDeviation(), frames(7, 0), frames(7, 0), [torch.zeros(1, 2, 4, 5)] * 7)
     assert math.isnan(values["static_std"])
     assert values["static_std_fraction"] == 0.0
-    with pytest.raises(UserError, match="got 1"):
+    with pytest.raises(UserError, match="shortest=1"):
         StaticDeviation(1)

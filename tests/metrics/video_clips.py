@@ -3,7 +3,7 @@
 import torch
 import torch.nn.functional as F
 
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.base import Moment
 
 
 def texture(height, width, seed=0):

@@ -1,5 +1,5 @@
-"""Pictures of one clip a scene: crops of its last frame (the raw input, the method's output, the target) at a place that the data
-alone decide, and epipolar-plane images."""
+"""Pictures of one clip a scene: crops of its last frame (the raw input, the method's output, the target) at a place
+that the data alone decide, and epipolar-plane images."""
 
 from pathlib import Path
 
@@ -31,8 +31,8 @@ def _image(values: Tensor) -> Image.Image:
 
 
 def save_crops(frame: ScoredFrame, folder: Path, index: int) -> None:
-    """Write ``crops/<index>_<scene>{,_input,_target}.png`` of one scored frame, and ``state/<index>_<scene>_<name>.png`` of its
-    pictures at the same place."""
+    """Write ``crops/<index>_<scene>{,_input,_target}.png`` of one scored frame, and
+    ``state/<index>_<scene>_<name>.png`` of its pictures at the same place."""
     size = min(SIZE, *frame.target.shape[-2:])
     y, x = detailed_corner(frame.target, size)
     scale = frame.target.shape[-1] // frame.color.shape[-1]

@@ -1,7 +1,8 @@
 """A folder of frames that another program upscaled, found clip by clip.
 
-``FOLDER/<scene>/<clip>/<anything><number>.<suffix>``; ``<clip>`` counts from 0. The levels that a data set has one of may be
-left out: the frames of a single clip may lie in the folder itself. A ``/`` of a scene's name may be a folder or written ``_``.
+``FOLDER/<scene>/<clip>/<anything><number>.<suffix>``; ``<clip>`` counts from 0. The levels that a data set has one of
+may be left out: the frames of a single clip may lie in the folder itself. A ``/`` of a scene's name may be a folder or
+written ``_``.
 """
 
 import re

@@ -11,7 +11,7 @@ import pandas as pd
 from omegaconf import DictConfig
 
 from supersampling.errors import UserError
-from supersampling.reporting.directions import better
+from supersampling.metrics.directions import better
 from supersampling.reporting.estimates import PLACE, ClipTables, difference, estimate
 from supersampling.reporting.runs import Run, Store
 from supersampling.reporting.seeds import SHORT, Group, find_groups, pair
@@ -197,7 +197,9 @@ def _notes(a: Group, b: Group, compared: Sequence[Compared], tables: ClipTables)
         if item.verdict == NO_INTERVAL and item.difference.clips > 1:
             notes.append(f"{item.metric} is infinite on a clip (output equals target there): no interval.")
         if better(item.metric) is None:
-            notes.append(f"{item.metric}: reporting/directions.py does not state which way is better.")
+            notes.append(
+                f"{item.metric}: no metric of the project has this name, so it is unknown which way is better."
+            )
     return notes
 
 

@@ -20,7 +20,7 @@ from supersampling.evaluation.playback import (
 )
 from supersampling.evaluation.result import Result, evaluate
 from supersampling.evaluation.score import evaluation_requires
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.training.job import experiment_of
 from supersampling.training.log import log_result

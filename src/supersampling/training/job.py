@@ -19,7 +19,7 @@ from supersampling.data.module import Source, fingerprint
 from supersampling.errors import let_go, was_interrupted
 from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.profiling.count import size_of
 from supersampling.training.check import check_numbers

@@ -9,7 +9,7 @@ from mlflow.exceptions import MlflowException
 
 from supersampling.evaluation.result import Result
 from supersampling.metrics import scores
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.training.tracking import Experiment
 
 TAG = "ss.metrics"

@@ -11,7 +11,7 @@ from omegaconf import DictConfig, OmegaConf
 from supersampling.data.module import fingerprint
 from supersampling.evaluation.playback import Playback, Targets
 from supersampling.evaluation.result import Result, evaluate
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.models.nearest import Nearest
 from supersampling.training.log import has_metrics, log_result, means_of
