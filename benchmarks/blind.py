@@ -15,7 +15,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.metrics.base import FrameMetric, Moment
 from supersampling.metrics.directions import better
 from supersampling.metrics.flip import FLIP, FLIPHDR
@@ -159,7 +159,7 @@ def blind_to(name: str, values: dict[str, float]) -> set[str]:
 
 def read(path: Path, number: int, frames: int) -> Clip:
     """The clip's last frames."""
-    store = Store(path)
+    store = DatasetFile(path)
     span = slice(store.spec.frames - frames, store.spec.frames)
     held = {name: torch.from_numpy(store.read(name, number, span)) for name in BUFFERS}
     store.close()

@@ -43,7 +43,7 @@ def test_a_name_says_where_an_item_is_from(make_file, tmp_path):
 def test_clips_in_memory_and_clips_on_disk_are_the_same(make_file, tmp_path):
     path = make_file(tmp_path, clips=3)
     in_memory, on_disk = (
-        WindowDataset([path], Cut(crop=32, frames=5, targets=3), ALL, UNIFORM, PLAIN, seed=1, held=held)
+        WindowDataset([path], Cut(crop=32, frames=5, targets=3), ALL, UNIFORM, PLAIN, seed=1, memory_limit=held)
         for held in (1 << 30, 0)
     )
     for index in range(4):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from capture_files import ALL, make_source
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.source import check_exportable
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.data.writer import ClipWriter, join_clips
 from supersampling.errors import UserError
 
@@ -59,4 +59,4 @@ def test_targets_of_some_frames_only(tmp_path):
         writer.add("target", np.zeros((8, 8, 3), "float32"))
     join_clips(tmp_path / "all.h5", spec, [tmp_path / "0.h5"], frozenset({"target"}), {})
     with pytest.raises(UserError, match=r"data\.train\.targets=3"):
-        check_exportable(Store(tmp_path / "all.h5"), frozenset({"target"}), "qrisp")
+        check_exportable(DatasetFile(tmp_path / "all.h5"), frozenset({"target"}), "qrisp")

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from supersampling.data.pick import MostEdges, Place, Uniform, motion_edges
+from supersampling.data.pick import ClipWindow, MostEdges, Uniform, motion_edges
 from supersampling.errors import UserError
 
-PLACES = [Place(0, clip, 8, 0, 0) for clip in range(6)]
+PLACES = [ClipWindow(0, clip, 8, 0, 0) for clip in range(6)]
 
 
 def motion(place):

@@ -10,11 +10,11 @@ import pytest
 import torch
 from capture_files import PLANE, SIZE, make_source
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.images import write_exr
 from supersampling.data.readers.arm import INFINITE_FAR, linear_depth
 from supersampling.data.readers.importing import import_capture
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.ops.display import displayed
 
@@ -48,7 +48,7 @@ def planes(path, names):
 def test_round_trip(written, tmp_path):
     source, capture = written
     (path,) = import_capture("arm", capture, tmp_path, scale=2)
-    before, after = Store(source), Store(path)
+    before, after = DatasetFile(source), DatasetFile(path)
     assert (after.spec.scene, after.spec.split, after.spec.clips, after.spec.frames) == (
         "arm/capture",
         "test",
@@ -111,8 +111,8 @@ def test_reversed_depth_that_is_marked(written, capture, tmp_path):
     for sequence in ("0000", "0001"):
         edit(capture, lambda m: m.update(ReverseZ=True), sequence)
     (path,) = import_capture("arm", capture, tmp_path / "out", scale=2)
-    want = Store(written[0]).read("depth", 0, slice(None))
-    np.testing.assert_allclose(Store(path).read("depth", 0, slice(None)), want, atol=2e-4)
+    want = DatasetFile(written[0]).read("depth", 0, slice(None))
+    np.testing.assert_allclose(DatasetFile(path).read("depth", 0, slice(None)), want, atol=2e-4)
 
 
 def test_reversed_depth_that_is_not_marked(capture, tmp_path):
@@ -136,9 +136,9 @@ def test_sky_on_the_near_plane_tells_reversed_depth_where_nothing_is_uncovered(t
 def test_a_camera_cut_begins_a_clip(capture, written, tmp_path):
     edit(capture, lambda m: m["Frames"][2].update(CameraCut=True))
     files = import_capture("arm", capture, tmp_path / "out", scale=2)
-    frames = {Store(f).spec.frames: Store(f) for f in files}
+    frames = {DatasetFile(f).spec.frames: DatasetFile(f) for f in files}
     assert sorted(frames) == [2, 4, 6]
-    old = Store(written[0])
+    old = DatasetFile(written[0])
     for length, part in ((2, slice(0, 2)), (4, slice(2, 6))):
         assert frames[length].spec.clips == 1
         np.testing.assert_array_equal(frames[length].read("radiance", 0, slice(None)), old.read("radiance", 1, part))
@@ -148,8 +148,8 @@ def test_exposure_multiplies_radiance(capture, written, tmp_path):
     for sequence in ("0000", "0001"):
         edit(capture, lambda m: [f.update(Exposure=0.5) for f in m["Frames"]], sequence)
     (path,) = import_capture("arm", capture, tmp_path / "out", scale=2)
-    want = 0.5 * Store(written[0]).read("radiance", 0, slice(None))
-    np.testing.assert_array_equal(Store(path).read("radiance", 0, slice(None)), want)
+    want = 0.5 * DatasetFile(written[0]).read("radiance", 0, slice(None))
+    np.testing.assert_array_equal(DatasetFile(path).read("radiance", 0, slice(None)), want)
 
 
 def test_motion_of_the_other_sign_is_told(capture, tmp_path):

@@ -8,10 +8,10 @@ import OpenEXR
 import pytest
 from capture_files import PLANE, SIZE, World, grid, make_source
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.images import write_exr
 from supersampling.data.readers.importing import import_capture
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 
 
@@ -37,7 +37,7 @@ def planes(path, names):
 def test_round_trip(written, tmp_path):
     source, capture = written
     (path,) = import_capture("nsrd", capture, tmp_path, scale=2)
-    before, after = Store(source), Store(path)
+    before, after = DatasetFile(source), DatasetFile(path)
     assert (after.spec.scene, after.spec.split, after.spec.clips) == ("nsrd/capture", "train", 2)
     for clip in range(2):
         old = {name: before.read(name, clip, slice(None)) for name in before.buffers}
@@ -54,7 +54,7 @@ def test_round_trip(written, tmp_path):
 def test_inputs_are_the_lighting(written, tmp_path):
     """radiance / material is the world's lighting, whatever the material was."""
     (path,) = import_capture("nsrd", written[1], tmp_path, scale=2)
-    store = Store(path)
+    store = DatasetFile(path)
     assert store.attributes["demodulated"].startswith("yes")
     assert (store.read("material", 1, slice(None)) == 1.0).all()
     assert not store.read("emission", 1, slice(None)).any()
@@ -81,9 +81,9 @@ def test_depth_in_another_unit_is_divided_by_a_power_of_ten(written, capture, tm
     for path in capture.rglob("Depth/*.exr"):
         write_exr(path, planes(path, "R") * np.float32(unit), "R", half=False)
     (path,) = import_capture("nsrd", capture, tmp_path / "out", scale=2)
-    want = Store(written[0]).read("depth", 1, slice(None)) * unit / largest
-    np.testing.assert_allclose(Store(path).read("depth", 1, slice(None)), want, rtol=1e-6)
-    assert Store(path).attributes["depth_unit"] == f"captured depth / {largest:g}"
+    want = DatasetFile(written[0]).read("depth", 1, slice(None)) * unit / largest
+    np.testing.assert_allclose(DatasetFile(path).read("depth", 1, slice(None)), want, rtol=1e-6)
+    assert DatasetFile(path).attributes["depth_unit"] == f"captured depth / {largest:g}"
 
 
 def test_y_up_is_told(capture, tmp_path):

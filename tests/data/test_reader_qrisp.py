@@ -10,10 +10,10 @@ import pytest
 from capture_files import PLANE, SIZE, make_source
 from PIL import Image
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.readers.importing import import_capture
 from supersampling.data.readers.qrisp import baseline_images, decode_depth
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.evaluation.playback import recorded_methods
 from supersampling.evaluation.protocol import Protocol
@@ -29,7 +29,7 @@ MOTION = LOW / "MotionVectorsMipBiasMinus1Jittered"
 def test_round_trip_is_exact_but_for_half_motion(written, tmp_path, capsys):
     source, capture = written
     (path,) = import_capture("qrisp", capture, tmp_path, scale=2)
-    before, after = Store(source), Store(path)
+    before, after = DatasetFile(source), DatasetFile(path)
     assert after.buffers == {"color", "depth", "motion", "jitter", "target"}
     assert (after.spec.scene, after.spec.split, after.spec.clips, after.spec.frames) == (
         "qrisp/World",
@@ -74,7 +74,7 @@ def test_clips_of_unequal_length_go_to_files_of_their_own(capture, tmp_path):
     for path in capture.rglob("0001/0004.*"):
         path.unlink()
     files = import_capture("qrisp", capture, tmp_path / "out", scale=2)
-    assert sorted((Store(f).spec.clips, Store(f).spec.frames) for f in files) == [(1, 4), (1, 5)]
+    assert sorted((DatasetFile(f).spec.clips, DatasetFile(f).spec.frames) for f in files) == [(1, 4), (1, 5)]
 
 
 def one_json(capture, content):
@@ -97,8 +97,8 @@ def one_json(capture, content):
 def test_camera_data_of_a_segment(written, capture, tmp_path, content):
     one_json(capture, content)
     (path,) = import_capture("qrisp", capture, tmp_path / "out", scale=2)
-    want = Store(written[0]).read("jitter", 1, slice(None))
-    np.testing.assert_array_equal(Store(path).read("jitter", 1, slice(None)), want)
+    want = DatasetFile(written[0]).read("jitter", 1, slice(None))
+    np.testing.assert_array_equal(DatasetFile(path).read("jitter", 1, slice(None)), want)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_baselines_become_rows(capture, tmp_path):
     for path in (base / "DLSS").rglob("*.png"):
         Image.new("RGB", SIZE).save(path)
     (file,) = import_capture("qrisp", capture, tmp_path, scale=2)
-    store = Store(file)
+    store = DatasetFile(file)
     methods = recorded_methods(capture, [file])
     scored = {
         name: evaluate(model, Metrics([PSNR()]), Protocol(Continuous()), [file]).frames

@@ -9,10 +9,10 @@ import OpenEXR
 import pytest
 from PIL import Image
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.images import write_exr
 from supersampling.data.readers.importing import import_capture
 from supersampling.data.readers.qrisp import baseline_images
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 
 LOW = Path("TestSet/World/540p")
@@ -80,7 +80,7 @@ def test_an_import_goes_on_when_the_file_is_mended(capture, tmp_path):
         import_capture("qrisp", capture, out, scale=2)
     path.write_bytes(whole)
     (file,) = import_capture("qrisp", capture, out, scale=2)
-    assert Store(file).spec.clips == 2
+    assert DatasetFile(file).spec.clips == 2
     assert not list(out.glob("*.clips"))
 
 

@@ -9,10 +9,10 @@ import pytest
 from capture_files import PLANE, SIZE, make_source
 from PIL import Image
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.images import write_exr
 from supersampling.data.readers.importing import import_capture
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 
 LOW = Path("TestSet/World/540p")
@@ -47,7 +47,7 @@ def test_another_convention_is_named_and_can_be_asked_for(capture, tmp_path, cha
         import_capture("qrisp", capture, tmp_path / "wrong", scale=2)
     assert not (tmp_path / "wrong").exists()
     (path,) = import_capture("qrisp", capture, tmp_path / "right", scale=2, convention=fits)
-    motion = Store(path).read("motion", 0, slice(3, 4))[0, :, -1, 0]
+    motion = DatasetFile(path).read("motion", 0, slice(3, 4))[0, :, -1, 0]
     np.testing.assert_allclose(motion, -PLANE / SIZE, rtol=1e-3)
 
 
@@ -56,7 +56,7 @@ def test_another_jitter_convention_is_named_and_can_be_asked_for(capture, tmp_pa
     with pytest.raises(UserError, match="jitter_convention=-xy"):
         import_capture("qrisp", capture, tmp_path / "wrong", scale=2)
     (path,) = import_capture("qrisp", capture, tmp_path / "right", scale=2, jitter_convention="-xy")
-    np.testing.assert_allclose(Store(path).read("jitter", 0, slice(0, 1))[0], (0.25, -0.375))
+    np.testing.assert_allclose(DatasetFile(path).read("jitter", 0, slice(0, 1))[0], (0.25, -0.375))
 
 
 def test_motion_in_pixels_is_told(capture, tmp_path):
@@ -70,7 +70,7 @@ def test_motion_in_clip_space_is_told_and_can_be_asked_for(capture, tmp_path):
     with pytest.raises(UserError, match=r"convention=-xy\*0\.5"):
         import_capture("qrisp", capture, tmp_path / "wrong", scale=2)
     (path,) = import_capture("qrisp", capture, tmp_path / "right", scale=2, convention="-xy*0.5")
-    np.testing.assert_allclose(Store(path).read("motion", 0, slice(3, 4))[0, :, -1, 0], -PLANE / SIZE, rtol=1e-3)
+    np.testing.assert_allclose(DatasetFile(path).read("motion", 0, slice(3, 4))[0, :, -1, 0], -PLANE / SIZE, rtol=1e-3)
 
 
 def test_slow_motion_in_pixels_of_the_inputs_is_told(tmp_path):
@@ -103,5 +103,7 @@ def test_depth_the_wrong_way_round_is_told_and_can_be_asked_for(written, capture
     with pytest.raises(UserError, match="depth seems to be reversed.*reversed_depth=true"):
         import_capture("qrisp", capture, tmp_path / "out", scale=2)
     (path,) = import_capture("qrisp", capture, tmp_path / "out", scale=2, reversed_depth=True)
-    want = Store(written[0]).read("depth", 1, slice(None))
-    np.testing.assert_allclose(Store(path).read("depth", 1, slice(None)), want, atol=5e-3)  # the digits' carry is lost
+    want = DatasetFile(written[0]).read("depth", 1, slice(None))
+    np.testing.assert_allclose(
+        DatasetFile(path).read("depth", 1, slice(None)), want, atol=5e-3
+    )  # the digits' carry is lost

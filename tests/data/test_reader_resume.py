@@ -9,9 +9,9 @@ import time
 import pytest
 from capture_files import make_source
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.readers.importing import import_capture
-from supersampling.data.store import Store
 
 CLIPS = 6
 
@@ -73,4 +73,4 @@ def test_a_finished_import_is_left_alone(capture, tmp_path):
     made = first.stat().st_mtime_ns
     assert import_capture("qrisp", capture, tmp_path, scale=2) == [first]
     assert first.stat().st_mtime_ns == made
-    assert Store(first).spec.clips == CLIPS
+    assert DatasetFile(first).spec.clips == CLIPS

@@ -4,8 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.data.writer import ClipWriter, buffers_in, join_clips, quantise
 from supersampling.frames import BUFFERS
 
@@ -31,7 +31,7 @@ def write(path, clip: int, names) -> None:
                 writer.add(name, frame(name, clip, t))
 
 
-def make(folder, *groups) -> Store:
+def make(folder, *groups) -> DatasetFile:
     """A file to which each group of buffers was added in turn."""
     folder.mkdir(exist_ok=True)
     for names in groups:
@@ -39,7 +39,7 @@ def make(folder, *groups) -> Store:
         for clip, part in enumerate(parts):
             write(part, clip, names)
         join_clips(folder / "made.h5", SPEC, parts, frozenset(names), {"renderer": "none"})
-    return Store(folder / "made.h5")
+    return DatasetFile(folder / "made.h5")
 
 
 @pytest.mark.parametrize("name", NAMES)

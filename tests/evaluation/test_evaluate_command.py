@@ -5,7 +5,7 @@ import pytest
 from image_files import write_png
 from mlflow.tracking import MlflowClient
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 from supersampling.training.evaluate import evaluate_command
 from supersampling.training.job import train
@@ -32,7 +32,7 @@ def runs(tmp_path):
 def frames(settings, tmp_path):
     """What another program made of the test clips: half as bright as the targets."""
     path = settings[-1].partition("=[")[2][:-1]
-    store = Store(path)
+    store = DatasetFile(path)
     for clip in range(store.clips):
         folder = tmp_path / "other" / str(clip)
         folder.mkdir(parents=True)
@@ -46,7 +46,7 @@ def test_frames_of_another_program_become_a_baseline_once(entry, settings, runs,
     evaluate_command(entry("evaluate", *given))
     (run,) = runs("job")
     assert run.data.tags["ss.method"] == "theirs"
-    store = Store(settings[-1].partition("=[")[2][:-1])
+    store = DatasetFile(settings[-1].partition("=[")[2][:-1])
     values = []
     for clip in range(store.clips):
         target = store.read("target", clip, slice(None)).astype(np.float64)

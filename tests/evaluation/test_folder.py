@@ -5,11 +5,11 @@ import OpenEXR
 import pytest
 from image_files import write_png
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.readers.images import read_display_png
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.evaluation.folder import clip_files
-from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, Targets
+from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, TargetImages
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.result import evaluate
 from supersampling.metrics.prepare import Continuous
@@ -20,7 +20,7 @@ SIZE = 48
 
 
 def targets(path, clip):
-    store = Store(path)
+    store = DatasetFile(path)
     return store.read("target", clip, slice(None)).transpose(0, 2, 3, 1)
 
 
@@ -106,7 +106,7 @@ def test_radiance_is_shown_by_the_renderers_tone_map(single, tmp_path):
 
 
 def test_the_targets_themselves_are_perfect(single):
-    result = evaluate(Playback(4, Targets([single])), Metrics([PSNR()]), Protocol(Continuous()), [single])
+    result = evaluate(Playback(4, TargetImages([single])), Metrics([PSNR()]), Protocol(Continuous()), [single])
     assert (result.frames["psnr"] == 100.0).all()
 
 

@@ -7,7 +7,7 @@ import torch.nn.functional as F
 from PIL import Image
 from skimage.metrics import peak_signal_noise_ratio
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 from supersampling.evaluation.crops import detailed_corner
 from supersampling.evaluation.protocol import Protocol
@@ -59,7 +59,7 @@ def path(make_file, tmp_path):
 
 
 def expected_psnr(path, clip, frame, eight_bit=False):
-    store = Store(path)
+    store = DatasetFile(path)
     part = slice(frame, frame + 1)
     color, target = (store.read(name, clip, part) for name in ("color", "target"))
     output = F.interpolate(torch.from_numpy(color), scale_factor=4, mode="bicubic").clamp(0, 1).numpy()
@@ -86,14 +86,14 @@ def test_a_warm_up_is_listed_but_enters_no_mean(path):
     wanted = [np.mean([expected_psnr(path, c, t) for t in range(2, 5)]) for c in range(2)]
     assert result.clips["psnr"].tolist() == pytest.approx(wanted, abs=1e-4)
     assert result.clips["seen"].tolist() == [3.0, 3.0]
-    target = Store(path).read("target", 1, slice(2, 5))
+    target = DatasetFile(path).read("target", 1, slice(2, 5))
     assert result.clips["brightness"][1] == pytest.approx(target.mean(), abs=1e-5)
 
 
 def test_the_state_is_carried_through_a_clip_and_not_to_the_next(path):
     result = evaluate(CountsFrames(), Metrics([PSNR()]), Protocol(Continuous()), [path])
     for clip in range(2):
-        target = Store(path).read("target", clip, slice(0, 5)).astype(np.float64)
+        target = DatasetFile(path).read("target", clip, slice(0, 5)).astype(np.float64)
         wanted = [-10 * np.log10(np.square(target[t] - t / 10).mean()) for t in range(5)]
         ours = result.frames[result.frames["clip"] == clip]["psnr"]
         assert ours.tolist() == pytest.approx(wanted, abs=1e-4)
@@ -101,7 +101,7 @@ def test_the_state_is_carried_through_a_clip_and_not_to_the_next(path):
 
 def test_a_border_is_left_out(path):
     result = evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(Continuous(), border=3), [path])
-    store = Store(path)
+    store = DatasetFile(path)
     color, target = (torch.from_numpy(store.read(n, 0, slice(0, 1))) for n in ("color", "target"))
     output = F.interpolate(color, scale_factor=4, mode="bicubic").clamp(0, 1)
     error = (output - target)[..., 12:-12, 12:-12].square().mean().item()
@@ -121,7 +121,7 @@ def test_all_values_are_kept_in_files(path, tmp_path):
     ]  # fmt: skip
     with Image.open(tmp_path / "epipolar" / "0_analytic_target.png") as plane:
         rows = np.asarray(plane)
-    target = Store(path).read("target", 0, slice(0, 5))[:, :, 24].transpose(0, 2, 1)
+    target = DatasetFile(path).read("target", 0, slice(0, 5))[:, :, 24].transpose(0, 2, 1)
     np.testing.assert_allclose(rows, target * 255, atol=0.01)
 
 
@@ -138,7 +138,7 @@ def test_a_state_is_pictured_where_the_crop_is(path, tmp_path):
         values = np.asarray(picture)
     with Image.open(tmp_path / "crops" / "0_analytic_target.png") as crop:
         assert picture.size == crop.size
-    y, _ = detailed_corner(torch.from_numpy(Store(path).read("target", 0, slice(4, 5))), min(picture.size))
+    y, _ = detailed_corner(torch.from_numpy(DatasetFile(path).read("target", 0, slice(4, 5))), min(picture.size))
     expected = np.round(255 * np.linspace(0, 1, 48))[y : y + len(values), None, None]
     np.testing.assert_array_equal(values, np.broadcast_to(expected, values.shape))
 
@@ -147,7 +147,7 @@ def test_metrics_of_an_earlier_evaluation_are_kept(path, tmp_path):
     first = evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(Continuous()), [path])
     first.write(tmp_path)
     second = evaluate(Bicubic(4), Metrics([], [Count()]), Protocol(Continuous()), [path])
-    both = second.keep(read_scores(tmp_path / "frames.parquet"))
+    both = second.merge(read_scores(tmp_path / "frames.parquet"))
     assert both.frames["psnr"].tolist() == first.frames["psnr"].tolist()
     assert both.clips["psnr"].tolist() == first.clips["psnr"].tolist()
     assert both.clips["seen"].tolist() == [5.0, 5.0]

@@ -8,8 +8,8 @@ import torch.nn.functional as F
 import torchvision  # noqa: F401 - it loads triton's LLVM, which crashes when Mesa's, the renderer's, is there before it
 from torch import Tensor
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.metrics.base import Moment
 from supersampling.render.pool import render_files
 
@@ -37,7 +37,7 @@ class Film:
 
 @pytest.fixture(scope="session")
 def film(tmp_path_factory) -> Film:
-    store = Store(render_files([SPEC], tmp_path_factory.mktemp("film"), BUFFERS)[0])
+    store = DatasetFile(render_files([SPEC], tmp_path_factory.mktemp("film"), BUFFERS)[0])
     held = {name: torch.from_numpy(store.read(name, 0, slice(None)))[:, None] for name in BUFFERS}
     store.close()
     held["color"] = torch.stack([F.interpolate(image, scale_factor=4, mode="bilinear") for image in held["color"]])

@@ -22,7 +22,7 @@ def frames() -> pd.DataFrame:
 
 def scores() -> Scores:
     clips = frames().groupby(["scene", "clip"])[["psnr", "temporal"]].mean().reset_index()
-    return Scores.of(frames(), clips.assign(vmaf=[70.0, 80.0, 90.0, 50.0]))
+    return Scores.with_scene_means(frames(), clips.assign(vmaf=[70.0, 80.0, 90.0, 50.0]))
 
 
 def test_frames_clips_and_scenes_come_back(tmp_path):

@@ -5,8 +5,8 @@ import pytest
 import torch
 import torch.nn.functional as F
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.render import capture
 from supersampling.render.check import check_spec
@@ -77,8 +77,8 @@ def test_interrupted_rendering_gives_the_same_bytes(wall, tmp_path, monkeypatch)
 
 
 @pytest.fixture(scope="module")
-def store(wall, tmp_path_factory) -> Store:
-    return Store(render_file(SPEC, tmp_path_factory.mktemp("data"), wall))
+def store(wall, tmp_path_factory) -> DatasetFile:
+    return DatasetFile(render_file(SPEC, tmp_path_factory.mktemp("data"), wall))
 
 
 def test_a_file_says_what_is_needed_to_trust_it(store):

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.render.pool import render_files
 from supersampling.render.renderer import Renderer
@@ -96,16 +96,16 @@ def test_only_the_buffers_asked_for_are_rendered_and_stored(tmp_path, monkeypatc
     monkeypatch.setattr(Renderer, "low", spy_low)
     monkeypatch.setattr(Renderer, "high", spy_high)
     path = render_files([SPEC], tmp_path, frozenset({"color", "target"}))[0]
-    assert Store(path).buffers == {"color", "target"}
+    assert DatasetFile(path).buffers == {"color", "target"}
     assert set(asked) == {frozenset({"color"}), frozenset({"target"})}
-    before = Store(path)
+    before = DatasetFile(path)
     first = {name: before.read(name, 0, slice(1, None)) for name in ("color", "target")}
     prints = before.fingerprint(["color", "target"])
     before.close()
     asked.clear()
     path = render_files([SPEC], tmp_path, frozenset({"color", "material", "target"}))[0]
     assert set(asked) == {frozenset({"material"})}  # what is there is not rendered again
-    after = Store(path)
+    after = DatasetFile(path)
     assert after.buffers == {"color", "material", "target"}
     assert after.fingerprint(["color", "target"]) == prints
     for name, values in first.items():

@@ -5,10 +5,10 @@ import pytest
 from scipy.ndimage import map_coordinates
 from show_files import write
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.frames import BUFFERS
-from supersampling.show.checks import disoccluded, gradient_energy, warp_check, warp_check_of
-from supersampling.show.clip import Clip
+from supersampling.show.checks import check_warp, compare_warped, disoccluded, gradient_energy
+from supersampling.show.clip import ClipView
 
 
 def by_scipy(previous, target, velocity):
@@ -22,10 +22,10 @@ def by_scipy(previous, target, velocity):
 
 
 def test_the_warp_check_of_an_analytic_clip(make_file, tmp_path):
-    store = Store(make_file(tmp_path, "test", frames=4))
-    clip = Clip(store, 1)
+    store = DatasetFile(make_file(tmp_path, "test", frames=4))
+    clip = ClipView(store, 1)
     velocity = -clip.read("motion", 3)[:, 0, 0] * 48
-    check = warp_check_of(clip, 3)
+    check = check_warp(clip, 3)
     moved, still = by_scipy(clip.read("target", 2), clip.read("target", 3), velocity)
     assert check is not None
     assert check.mean == pytest.approx(moved, rel=1e-3)
@@ -35,15 +35,15 @@ def test_the_warp_check_of_an_analytic_clip(make_file, tmp_path):
 
 
 def test_the_previous_target_of_a_first_frame_is_missing(make_file, tmp_path):
-    store = Store(make_file(tmp_path, "test", frames=4))
-    assert warp_check_of(Clip(store, 0), 0) is None
-    assert warp_check_of(Clip(store, 0, frozenset({"target"})), 2) is None
+    store = DatasetFile(make_file(tmp_path, "test", frames=4))
+    assert check_warp(ClipView(store, 0), 0) is None
+    assert check_warp(ClipView(store, 0, frozenset({"target"})), 2) is None
     store.close()
 
 
 def test_a_clip_has_targets_for_its_last_frames_only(tmp_path):
-    store = Store(write(tmp_path, ("motion", "target")))
-    assert [warp_check_of(Clip(store, 0), t) is not None for t in range(5)] == [
+    store = DatasetFile(write(tmp_path, ("motion", "target")))
+    assert [check_warp(ClipView(store, 0), t) is not None for t in range(5)] == [
         False,
         False,
         False,
@@ -56,8 +56,8 @@ def test_a_clip_has_targets_for_its_last_frames_only(tmp_path):
 def test_high_resolution_motion_is_preferred(tmp_path):
     """Zero there, far off at low resolution: the warp must change nothing."""
     motion = {"high_motion": np.zeros((48, 64, 2)), "motion": np.full((12, 16, 2), 0.5)}
-    store = Store(write(tmp_path, ("motion", "high_motion", "target"), **motion))
-    check = warp_check_of(Clip(store, 0), 4)
+    store = DatasetFile(write(tmp_path, ("motion", "high_motion", "target"), **motion))
+    check = check_warp(ClipView(store, 0), 4)
     assert check is not None
     assert check.mean == check.still_mean
     assert check.inside.all()
@@ -68,14 +68,14 @@ def test_broken_vectors_are_left_out():
     image = np.random.default_rng(0).random((3, 8, 8), dtype=np.float32)
     motion = np.zeros((2, 8, 8), dtype=np.float32)
     motion[0, 2, 3], motion[1, 4, 5] = np.nan, np.inf
-    check = warp_check(image, image, motion)
+    check = compare_warped(image, image, motion)
     assert np.argwhere(~check.inside).tolist() == [[2, 3], [4, 5]]
     assert check.mean == 0.0
 
 
 def test_nothing_inside_gives_no_number():
     image = np.zeros((3, 4, 4), dtype=np.float32)
-    assert np.isnan(warp_check(image, image, np.full((2, 4, 4), 3.0, dtype=np.float32)).mean)
+    assert np.isnan(compare_warped(image, image, np.full((2, 4, 4), 3.0, dtype=np.float32)).mean)
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -98,8 +98,8 @@ def test_gradient_energy_of_a_sine_and_of_its_multiples():
 
 
 def test_a_clip_says_what_it_has(tmp_path):
-    store = Store(write(tmp_path, ("color", "target")))
-    clip = Clip(store, 0, frozenset(BUFFERS) - {"color"})
+    store = DatasetFile(write(tmp_path, ("color", "target")))
+    clip = ClipView(store, 0, frozenset(BUFFERS) - {"color"})
     assert (clip.has("color", 4), clip.has("depth", 4), clip.has("target", 4), clip.has("target", 1)) == (
         False, False, True, False,
     )  # fmt: skip

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from show_files import LOW, write
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.frames import BUFFERS
 from supersampling.show import paint
-from supersampling.show.clip import Clip
+from supersampling.show.clip import ClipView
 from supersampling.show.panels import buffer_panel, jitter_panel, sections
 from supersampling.show.scales import Scales, depth_range, exposure
 
@@ -26,8 +26,8 @@ def clip_of(tmp_path):
     stores = []
 
     def make(*args, **given):
-        stores.append(Store(write(tmp_path, *args, **given)))
-        return Clip(stores[-1], 0)
+        stores.append(DatasetFile(write(tmp_path, *args, **given)))
+        return ClipView(stores[-1], 0)
 
     yield make
     for store in stores:
@@ -87,7 +87,7 @@ def test_broken_pixels_stand_out_and_are_counted(clip_of):
 def test_motion_is_told_in_low_resolution_pixels(clip_of):
     """0.25 of 16 pixels along x and 0.25 of 12 along y: 5 pixels."""
     clip = clip_of(("motion",), motion=np.full((LOW[1], LOW[0], 2), 0.25))
-    scales = Scales.of(clip, 0)
+    scales = Scales.measure(clip, 0)
     assert scales.motion == 5.0
     assert buffer_panel(clip, 0, "motion", scales).note.startswith("up to 5 px")
 

@@ -6,9 +6,9 @@ import pytest
 from PIL import Image, ImageSequence
 from show_files import FRAMES, write
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
-from supersampling.show.clip import Clip
+from supersampling.show.clip import ClipView
 from supersampling.show.video import check_format, video_frames, write_video
 
 
@@ -22,8 +22,8 @@ def decoded(path):
 
 @pytest.fixture
 def clip(tmp_path):
-    store = Store(write(tmp_path))
-    yield Clip(store, 1)
+    store = DatasetFile(write(tmp_path))
+    yield ClipView(store, 1)
     store.close()
 
 

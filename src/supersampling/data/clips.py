@@ -11,12 +11,12 @@ from torch import Tensor
 from torch.utils.data import Dataset, Sampler
 
 from supersampling.data.augment import Augment
-from supersampling.data.pick import Pick, Place
-from supersampling.data.store import Store, spec_of
+from supersampling.data.dataset_file import DatasetFile, read_spec
+from supersampling.data.pick import ClipWindow, Pick
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
-HELD = 1 << 30  # bytes of clips that a reading process may keep in memory
+MEMORY_LIMIT = 1 << 30  # bytes of clips that a reading process may keep in memory
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
     """Random windows of random sub-sequences; item ``k`` depends on ``seed`` and ``k`` alone, so that any run can resume.
 
     Items hold the ``requires`` buffers as ``(T, C, h, w)`` and ``target`` as ``(cut.targets, 3, H, W)``. Files that fit into
-    ``held`` bytes together are kept in memory, larger ones are read window by window.
+    ``memory_limit`` bytes together are kept in memory, larger ones are read window by window.
 
     Raises:
         UserError: the clips are smaller or shorter than the cut.
@@ -46,17 +46,17 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         pick: Pick,
         augment: Augment,
         seed: int,
-        held: int = HELD,
+        memory_limit: int = MEMORY_LIMIT,
     ) -> None:
         self._paths = [Path(p) for p in paths]
-        self._stores: list[Store] | None = None  # opened in the process that reads
+        self._stores: list[DatasetFile] | None = None  # opened in the process that reads
         self._cut = cut
         self._names = sorted(requires | {"target"})
         self._pick = pick
         self._augment = augment
         self._seed = seed
-        self._held = held
-        self._specs = [spec_of(path) for path in self._paths]
+        self._memory_limit = memory_limit
+        self._specs = [read_spec(path) for path in self._paths]
         self._clips = [(k, c) for k, spec in enumerate(self._specs) for c in range(spec.clips)]
         for path, spec in zip(self._paths, self._specs):
             if min(spec.target_size) < cut.crop or spec.frames < cut.frames or spec.targets < cut.targets:
@@ -82,11 +82,11 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         frames = f"frames {place.stop - self._cut.frames} to {place.stop - 1}"
         return f"{self._specs[place.file].scene} clip {place.clip}, {frames}, at ({place.x}, {place.y})"
 
-    def _place(self, index: int) -> tuple[np.random.Generator, Place]:
+    def _place(self, index: int) -> tuple[np.random.Generator, ClipWindow]:
         rng = np.random.default_rng((self._seed, index))
         return rng, self._pick(lambda: self._propose(rng), self._motion)
 
-    def _propose(self, rng: np.random.Generator) -> Place:
+    def _propose(self, rng: np.random.Generator) -> ClipWindow:
         file, clip = self._clips[rng.integers(len(self._clips))]
         spec, cut = self._specs[file], self._cut
         # The last cut.targets frames need targets, which the clip's first frames may lack.
@@ -95,9 +95,9 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         width, height = (n // spec.scale for n in spec.target_size)
         side = cut.crop // spec.scale
         x, y = int(rng.integers(width - side + 1)), int(rng.integers(height - side + 1))
-        return Place(file, clip, stop, x, y)
+        return ClipWindow(file, clip, stop, x, y)
 
-    def _read(self, name: str, place: Place) -> NDArray[np.float32]:
+    def _read(self, name: str, place: ClipWindow) -> NDArray[np.float32]:
         scale, cut = self._specs[place.file].scale, self._cut
         side = cut.crop // scale
         window, frames = (place.x, place.y, side, side), cut.frames
@@ -106,14 +106,14 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         assert self._stores is not None
         return self._stores[place.file].read(name, place.clip, slice(place.stop - frames, place.stop), window)
 
-    def _motion(self, place: Place) -> NDArray[np.float32]:
+    def _motion(self, place: ClipWindow) -> NDArray[np.float32]:
         return self._read("motion", place).transpose(0, 2, 3, 1) * self._cut.crop
 
-    def _open(self) -> list[Store]:
-        stores = [Store(path) for path in self._paths]
-        if sum(store.size(self._names) for store in stores) <= self._held:
+    def _open(self) -> list[DatasetFile]:
+        stores = [DatasetFile(path) for path in self._paths]
+        if sum(store.size(self._names) for store in stores) <= self._memory_limit:
             for store in stores:
-                store.hold(self._names)
+                store.load(self._names)
         return stores
 
 
@@ -149,7 +149,7 @@ class WholeClips(Dataset[dict[str, Tensor]]):
     """
 
     def __init__(self, paths: Sequence[Path], requires: frozenset[str]) -> None:
-        self._stores = [Store(path) for path in paths]
+        self._stores = [DatasetFile(path) for path in paths]
         self._requires = requires | {"target"}
         self._clips = [(store, c) for store in self._stores for c in range(store.clips)]
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 from filelock import FileLock, Timeout
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.data.writer import ClipWriter, buffers_in, join_clips
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
@@ -37,7 +37,7 @@ class ClipwiseFile:
         """
         if not self.path.exists():
             return self._names
-        store = Store(self.path)
+        store = DatasetFile(self.path)
         held, buffers = store.spec, store.buffers
         store.close()
         if held != self.spec:

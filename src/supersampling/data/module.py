@@ -10,18 +10,18 @@ from torch import Tensor
 from torch.utils.data import DataLoader
 
 from supersampling.data.clips import FreshIndices, WholeClips, WindowDataset
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 
 
-class Source(ABC):
+class DataSource(ABC):
     """Gives the data set files of each split, with at least the ``buffers`` that are asked for."""
 
     @abstractmethod
     def files(self, splits: Sequence[str], buffers: frozenset[str]) -> dict[str, list[Path]]: ...
 
 
-class Files(Source):
+class Files(DataSource):
     """Files that the user names; their scale has to be the task's.
 
     Raises:
@@ -40,7 +40,7 @@ class Files(Source):
         if not paths:
             raise UserError(f"data=files needs data.{split}=[FILE.h5, ...]: no {split} file was named.")
         for path in paths:
-            store = Store(path)
+            store = DatasetFile(path)
             scale, missing = store.spec.scale, sorted(buffers - store.buffers)
             store.close()
             if scale != self._scale:
@@ -60,7 +60,7 @@ def fingerprint(paths: Sequence[Path], names: Iterable[str]) -> str:
     """One fingerprint of these buffers of several files, independent of their order and place."""
     parts = []
     for path in paths:
-        store = Store(path)
+        store = DatasetFile(path)
         parts.append(store.fingerprint(sorted(names)))
         store.close()
     return hashlib.sha256("".join(sorted(parts)).encode()).hexdigest()[:16]

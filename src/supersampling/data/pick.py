@@ -14,7 +14,7 @@ EDGE = 0.5  # target pixels a frame
 
 
 @dataclass(frozen=True)
-class Place:
+class ClipWindow:
     """A window of a clip: the file and clip, the frame after its last one, and its low-resolution corner ``x, y``."""
 
     file: int
@@ -43,7 +43,9 @@ class Pick(ABC):
     requires: frozenset[str]
 
     @abstractmethod
-    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place: ...
+    def __call__(
+        self, propose: Callable[[], ClipWindow], motion: Callable[[ClipWindow], NDArray[np.floating]]
+    ) -> ClipWindow: ...
 
 
 @final
@@ -52,7 +54,9 @@ class Uniform(Pick):
 
     requires = frozenset[str]()
 
-    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place:
+    def __call__(
+        self, propose: Callable[[], ClipWindow], motion: Callable[[ClipWindow], NDArray[np.floating]]
+    ) -> ClipWindow:
         return propose()
 
 
@@ -67,5 +71,7 @@ class MostEdges(Pick):
             raise UserError(f"pick.looks must be at least 1, got {looks}; pick=uniform takes every window.")
         self.looks = looks
 
-    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place:
+    def __call__(
+        self, propose: Callable[[], ClipWindow], motion: Callable[[ClipWindow], NDArray[np.floating]]
+    ) -> ClipWindow:
         return max((propose() for _ in range(self.looks)), key=lambda place: motion_edges(motion(place)))

@@ -16,8 +16,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from supersampling.data.dataset_file import describe
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import describe
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 

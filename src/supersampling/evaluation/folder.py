@@ -9,7 +9,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from supersampling.data.store import spec_of
+from supersampling.data.dataset_file import read_spec
 from supersampling.errors import UserError
 from supersampling.evaluation.crops import file_name
 
@@ -24,7 +24,7 @@ def clip_files(folder: Path, files: Sequence[Path], suffix: str) -> list[list[Pa
     """
     if not folder.is_dir():
         raise UserError(f"There is no folder {folder}: correct frames=.")
-    specs = [spec_of(path) for path in files]
+    specs = [read_spec(path) for path in files]
     alone = len(specs) == 1
     return [
         _clip(_folder(folder, spec.scene, clip, alone, spec.clips == 1), suffix, spec.frames)

@@ -10,9 +10,9 @@ from typing import final
 import torch
 from torch import Tensor
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.readers.images import read_display_png, read_exr
 from supersampling.data.readers.qrisp import baseline_images
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
@@ -83,11 +83,11 @@ class RadianceImages(_Images):
 
 
 @final
-class Targets(Recording):
+class TargetImages(Recording):
     """The targets themselves: what every metric gives to a perfect method."""
 
     def __init__(self, files: Sequence[Path]) -> None:
-        self._clips = [(store, c) for store in map(Store, files) for c in range(store.clips)]
+        self._clips = [(store, c) for store in map(DatasetFile, files) for c in range(store.clips)]
 
     def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
         store, index = self._clips[clip]
@@ -134,7 +134,7 @@ def recorded_methods(capture: Path, files: Sequence[Path]) -> dict[str, Playback
     images: dict[str, list[list[Path]]] = {}
     scales = set()
     for path in files:
-        store = Store(path)
+        store = DatasetFile(path)
         spec, segments = store.spec, [str(c) for c in json.loads(store.attributes.get("clips", "[]"))]
         store.close()
         scales.add(spec.scale)

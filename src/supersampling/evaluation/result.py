@@ -48,12 +48,12 @@ class Result:
 
     def write(self, folder: Path) -> None:
         """Write ``frames.parquet`` (see `scores`), ``crops/``, ``crops.png``, ``epipolar/`` and ``state/``."""
-        scores.write_scores(folder / scores.FILE, scores.Scores.of(self.frames, self.clips))
+        scores.write_scores(folder / scores.FILE, scores.Scores.with_scene_means(self.frames, self.clips))
         for kind in PICTURES:
             shutil.copytree(Path(self.pictures.name) / kind, folder / kind)
         strip(folder / "crops").save(folder / "crops.png")
 
-    def keep(self, older: scores.Scores) -> "Result":
+    def merge(self, older: scores.Scores) -> "Result":
         """Return this result with the missing metrics of ``older``, an evaluation of the same frames."""
         return Result(_joined(self.frames, older.frames), _joined(self.clips, older.clips), self.pictures)
 

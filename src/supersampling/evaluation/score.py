@@ -13,7 +13,7 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from supersampling.data.clips import ClipName, WholeClips
-from supersampling.data.store import spec_of
+from supersampling.data.dataset_file import read_spec
 from supersampling.errors import UserError
 from supersampling.evaluation.protocol import Protocol
 from supersampling.frames import Frame
@@ -45,7 +45,7 @@ class ScoredFrame:
         return {"scene": self.name.scene, "clip": self.name.clip, "frame": self.index}
 
 
-def device_of(model: nn.Module) -> torch.device:
+def model_device(model: nn.Module) -> torch.device:
     """Return the device of a model; that of a model without parameters or buffers is the host."""
     for tensor in (*model.parameters(), *model.buffers()):
         return tensor.device
@@ -74,7 +74,7 @@ def score(
 def _score_clip(
     model: Upsampler, metrics: Metrics, protocol: Protocol, clips: WholeClips, index: int
 ) -> Iterator[ScoredFrame]:
-    device, length = device_of(model), clips.length(index)
+    device, length = model_device(model), clips.length(index)
     state: Any = None
     previous: tuple[Tensor, Tensor] | None = None
     with metrics.clips.begin() as scoring:
@@ -134,7 +134,7 @@ def whole_clips(paths: list[Path], requires: frozenset[str], warm_up: int) -> Wh
         UserError: a file does not have a target for every frame, or its clips end within the warm-up.
     """
     for path in paths:
-        spec = spec_of(path)
+        spec = read_spec(path)
         if spec.targets < spec.frames:
             raise UserError(
                 f"{path} has no targets for the first frames of its clips, so it cannot be scored: use a test file."

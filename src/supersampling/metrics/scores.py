@@ -29,7 +29,7 @@ class Scores:
     scenes: pd.DataFrame
 
     @classmethod
-    def of(cls, frames: pd.DataFrame, clips: pd.DataFrame) -> "Scores":
+    def with_scene_means(cls, frames: pd.DataFrame, clips: pd.DataFrame) -> "Scores":
         """Return scores whose scenes are means over their clips; clips without a value are left out."""
         metrics = clips.drop(columns=PLACE, errors="ignore").columns
         scenes = clips.groupby("scene", sort=False)[list(metrics)].mean().reset_index()

@@ -7,11 +7,11 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 from PIL import Image
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
-from supersampling.data.module import Source
+from supersampling.data.module import DataSource
 from supersampling.data.readers.importing import import_capture
 from supersampling.data.spec import SPLITS
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
@@ -39,7 +39,7 @@ def _render(cfg: DictConfig) -> None:
     buffers = frozenset(BUFFERS if cfg.buffers == "all" else cfg.buffers)
     if cfg.pictures:
         buffers |= {"color", "target"}
-    source: Source = instantiate(cfg.data)
+    source: DataSource = instantiate(cfg.data)
     files = source.files(list(cfg.splits), buffers)
     for split, paths in files.items():
         for path in paths:
@@ -67,7 +67,7 @@ def _export(cfg: DictConfig) -> None:
 
 def save_picture(path: Path) -> Path:
     """A PNG beside a data set file: the first clip's last input, enlarged, and its target, side by side."""
-    store = Store(path)
+    store = DatasetFile(path)
     color, target = (store.read(name, 0, slice(-1, None))[0].transpose(1, 2, 0) for name in ("color", "target"))
     store.close()
     scale = target.shape[0] // color.shape[0]

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from supersampling.data.module import Source
+from supersampling.data.module import DataSource
 from supersampling.data.spec import CaptureSpec
 from supersampling.errors import UserError
 from supersampling.render.check import check_spec
@@ -18,7 +18,7 @@ def installed_scenes() -> list[str]:
     return ["atrium", "foundry", *tracks]
 
 
-class Rendered(Source):
+class Rendered(DataSource):
     """One file a scene and split, in ``folder``; ``path`` is the file of the scene ``gltf``.
 
     ``train``, ``val`` and ``test`` hold ``clips``, ``frames``, ``targets`` (how many of a clip's last frames get one; null for

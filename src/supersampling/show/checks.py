@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from supersampling.ops.demodulate import demodulate
 from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import outside, warp
-from supersampling.show.clip import Array, Clip
+from supersampling.show.clip import Array, ClipView
 
 MASK_THRESHOLD = 0.1  # low-resolution pixels (Li et al. 2024, NSRD, section 3.2)
 
@@ -37,7 +37,7 @@ class WarpCheck:
         return float(self.still_error[self.inside].mean()) if self.inside.any() else float("nan")
 
 
-def warp_check(previous: Array, target: Array, motion: Array) -> WarpCheck:
+def compare_warped(previous: Array, target: Array, motion: Array) -> WarpCheck:
     """Warp ``previous (3, H, W)`` by ``motion``, ``(2, H, W)`` or low-resolution ``(2, h, w)``, and compare with ``target``.
 
     Vectors that are not finite count as leaving the image.
@@ -54,7 +54,7 @@ def warp_check(previous: Array, target: Array, motion: Array) -> WarpCheck:
     )
 
 
-def warp_check_of(clip: Clip, frame: int) -> WarpCheck | None:
+def check_warp(clip: ClipView, frame: int) -> WarpCheck | None:
     """The check of a frame onto which its predecessor can be warped, else ``None``: both targets and motion have to be there.
 
     High-resolution motion vectors are taken where there are any.
@@ -62,7 +62,7 @@ def warp_check_of(clip: Clip, frame: int) -> WarpCheck | None:
     motion = clip.find(frame, "high_motion", "motion")
     if motion is None or not clip.has("target", frame) or not clip.has("target", frame - 1):
         return None
-    return warp_check(clip.read("target", frame - 1), clip.read("target", frame), clip.read(motion, frame))
+    return compare_warped(clip.read("target", frame - 1), clip.read("target", frame), clip.read(motion, frame))
 
 
 def disoccluded(motion: Array, dual: Array, threshold: float = MASK_THRESHOLD) -> NDArray[np.bool_]:
@@ -72,7 +72,7 @@ def disoccluded(motion: Array, dual: Array, threshold: float = MASK_THRESHOLD) -
     return (pixels >= threshold).any(axis=0)
 
 
-def lighting_of(clip: Clip, frame: int) -> Array | None:
+def read_lighting(clip: ClipView, frame: int) -> Array | None:
     """Demodulated lighting ``(3, h, w)``, else ``None``: radiance, material and emission have to be there."""
     names = ("radiance", "material", "emission")
     if not all(clip.has(name, frame) for name in names):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
@@ -13,14 +13,14 @@ Array = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
-class Clip:
-    """Clip number ``index`` of ``store``; ``names`` are the buffers to look at, of which the file may hold a part.
+class ClipView:
+    """ClipView number ``index`` of ``store``; ``names`` are the buffers to look at, of which the file may hold a part.
 
     Raises:
         UserError: the file has no such clip.
     """
 
-    store: Store
+    store: DatasetFile
     index: int
     names: frozenset[str] = frozenset(BUFFERS)
 
@@ -43,7 +43,7 @@ class Clip:
         """``(W, H)``."""
         return self.store.spec.target_size
 
-    def checked(self, frame: int | None) -> int:
+    def resolve_frame(self, frame: int | None) -> int:
         """A frame's number; ``None`` is the last one.
 
         Raises:

@@ -7,11 +7,11 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 from PIL import Image
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import SPLITS
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
-from supersampling.show.clip import Clip
+from supersampling.show.clip import ClipView
 from supersampling.show.paint import Picture
 from supersampling.show.panels import sections
 from supersampling.show.sheet import compose, display_size
@@ -27,7 +27,7 @@ def show(cfg: DictConfig) -> None:
     names = _buffers(cfg)
     _check(cfg)
     for path in _files(cfg, names):
-        store = Store(path)
+        store = DatasetFile(path)
         try:
             for written in _show_file(cfg, store, names):
                 print(written)
@@ -62,20 +62,20 @@ def _files(cfg: DictConfig, names: frozenset[str]) -> list[Path]:
         return [Path(cfg.file)]
     if cfg.split not in SPLITS:
         raise UserError(f"split={cfg.split} is not possible: use one of {', '.join(SPLITS)}.")
-    from supersampling.data.module import Files, Source  # takes seconds, and a file needs none of it
+    from supersampling.data.module import DataSource, Files  # takes seconds, and a file needs none of it
 
-    source: Source = instantiate(cfg.data)
+    source: DataSource = instantiate(cfg.data)
     if cfg.buffers == "all" and isinstance(source, Files):
         names = frozenset()  # the user's own files: all that they hold
     return source.files([cfg.split], names)[cfg.split]
 
 
-def _show_file(cfg: DictConfig, store: Store, names: frozenset[str]) -> Iterator[Path]:
+def _show_file(cfg: DictConfig, store: DatasetFile, names: frozenset[str]) -> Iterator[Path]:
     missing = sorted(names - store.buffers) if cfg.buffers != "all" else []
     if missing:
         raise UserError(f"{store.path} has no {missing[0]}: it holds {', '.join(sorted(store.buffers))}.")
-    clip = Clip(store, cfg.clip, names)
-    frame = clip.checked(cfg.frame)
+    clip = ClipView(store, cfg.clip, names)
+    frame = clip.resolve_frame(cfg.frame)
     sheet_size, video_size = (display_size(clip.size, store.spec.scale, cfg[key]) for key in ("width", "video_width"))
     base = f"{store.path.stem}_clip{clip.index}"
     image = Image.fromarray(sheet(clip, frame, sheet_size, cfg.columns))
@@ -101,16 +101,16 @@ def _save(path: Path, write: Callable[[Path], None]) -> Path:
     return path
 
 
-def title(clip: Clip) -> str:
+def title(clip: ClipView) -> str:
     spec = clip.store.spec
     return f"{spec.scene}, {spec.split}, clip {clip.index}"
 
 
-def sheet(clip: Clip, frame: int, size: tuple[int, int], columns: int) -> Picture:
+def sheet(clip: ClipView, frame: int, size: tuple[int, int], columns: int) -> Picture:
     """All panels of a frame as one picture."""
     return compose(f"{title(clip)}, frame {frame}", sections(clip, frame, size), size, columns)
 
 
-def frame_rate(store: Store) -> float:
+def frame_rate(store: DatasetFile) -> float:
     """Frames a second: what the file says, else 30."""
     return float(store.attributes.get("frames_per_second", 30.0))

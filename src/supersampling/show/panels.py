@@ -6,33 +6,33 @@ import numpy as np
 
 from supersampling.frames import BUFFERS, Kind
 from supersampling.show import drawings, paint
-from supersampling.show.checks import MASK_THRESHOLD, disoccluded, gradient_energy, lighting_of, warp_check_of
-from supersampling.show.clip import Array, Clip
+from supersampling.show.checks import MASK_THRESHOLD, check_warp, disoccluded, gradient_energy, read_lighting
+from supersampling.show.clip import Array, ClipView
 from supersampling.show.paint import Picture
 from supersampling.show.scales import Scales, error_scale, exposure, in_pixels
 from supersampling.show.sheet import Panel, Section
 
 Styled = tuple[Picture, str]
-Style = Callable[[Array, Clip, Scales], Styled]
+Style = Callable[[Array, ClipView, Scales], Styled]
 
 
-def _light(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _light(values: Array, clip: ClipView, scales: Scales) -> Styled:
     return paint.light(values, scales.stops), f"{span(values)}, tonemapped at {_times(scales.stops)} exposure"
 
 
-def _motion(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _motion(values: Array, clip: ClipView, scales: Scales) -> Styled:
     pixels = in_pixels(clip, values)
     longest = float(np.hypot(*pixels).max())
     return paint.motion(pixels, scales.motion), f"up to {longest:.3g} px; full colour at {scales.motion:g} px"
 
 
-def _depth(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _depth(values: Array, clip: ClipView, scales: Scales) -> Styled:
     surfaces = values[values < 1.0]
     note = f"{span(surfaces)}, near is yellow, sky black" if surfaces.size else "sky alone"
     return paint.depth(values, scales.nearest, scales.farthest), note
 
 
-def _ids(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _ids(values: Array, clip: ClipView, scales: Scales) -> Styled:
     shown = np.unique(values[values > 0])
     if shown.size < 2:
         return paint.ids(values), f"object {shown[0]:.0f} alone" if shown.size else "sky alone"
@@ -79,13 +79,13 @@ def _finite(title: str, values: Array, style: Callable[[Array], Styled]) -> Pane
     return Panel(title, note, picture)
 
 
-def buffer_panel(clip: Clip, frame: int, name: str, scales: Scales) -> Panel:
+def buffer_panel(clip: ClipView, frame: int, name: str, scales: Scales) -> Panel:
     """One image buffer."""
     style = _depth if name.endswith("depth") else _STYLES[BUFFERS[name].kind]
     return _finite(name, clip.read(name, frame), lambda values: style(values, clip, scales))
 
 
-def jitter_panel(clip: Clip, frame: int, size: tuple[int, int]) -> Panel:
+def jitter_panel(clip: ClipView, frame: int, size: tuple[int, int]) -> Panel:
     """Where this frame's sample lies in its pixel, and where the clip's earlier ones lay."""
     positions = np.stack([clip.read("jitter", t) for t in range(frame + 1)])
     x, y = positions[-1]
@@ -98,9 +98,9 @@ def wheel_panel(scales: Scales, size: tuple[int, int]) -> Panel:
     return Panel("motion's colours", note, drawings.wheel(size, scales.motion))
 
 
-def lighting_panel(clip: Clip, frame: int) -> list[Panel]:
+def lighting_panel(clip: ClipView, frame: int) -> list[Panel]:
     """Demodulated lighting, where the file has what it takes."""
-    values = lighting_of(clip, frame)
+    values = read_lighting(clip, frame)
     if values is None:
         return []
     stops = exposure(values)
@@ -110,9 +110,9 @@ def lighting_panel(clip: Clip, frame: int) -> list[Panel]:
     return [_finite("lighting", values, lambda v: (paint.light(v, stops), f"{span(v)}, {note}"))]
 
 
-def warp_panels(clip: Clip, frame: int, full: float | None = None) -> list[Panel]:
+def warp_panels(clip: ClipView, frame: int, full: float | None = None) -> list[Panel]:
     """The warp check, where both targets and motion are there: errors with and without it, bright at ``full``."""
-    check = warp_check_of(clip, frame)
+    check = check_warp(clip, frame)
     if check is None:
         return []
     full = full or error_scale(check.still_error)
@@ -136,7 +136,7 @@ def warp_panels(clip: Clip, frame: int, full: float | None = None) -> list[Panel
     ]
 
 
-def mask_panel(clip: Clip, frame: int) -> list[Panel]:
+def mask_panel(clip: ClipView, frame: int) -> list[Panel]:
     """Disocclusions over the colour, where both kinds of motion vectors are there."""
     if not (clip.has("motion", frame) and clip.has("motion_dual", frame)):
         return []
@@ -150,9 +150,9 @@ def mask_panel(clip: Clip, frame: int) -> list[Panel]:
     return [Panel("disocclusion mask", note, paint.masked(under, mask))]
 
 
-def sections(clip: Clip, frame: int, size: tuple[int, int]) -> list[Section]:
+def sections(clip: ClipView, frame: int, size: tuple[int, int]) -> list[Section]:
     """All panels of a frame whose pictures are shown at ``size``."""
-    scales = Scales.of(clip, frame)
+    scales = Scales.measure(clip, frame)
     there = [name for name in _ORDER if clip.has(name, frame)]
     low = [buffer_panel(clip, frame, n, scales) for n in there if BUFFERS[n].resolution == "low"]
     high = [buffer_panel(clip, frame, n, scales) for n in there if BUFFERS[n].resolution == "high"]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supersampling.show.clip import Array, Clip
+from supersampling.show.clip import Array, ClipView
 
 _LIGHT = ("radiance", "target_radiance", "emission", "high_emission")
 _MOTION = ("motion", "high_motion", "motion_dual")
@@ -25,7 +25,7 @@ class Scales:
     motion: float
 
     @classmethod
-    def of(cls, clip: Clip, frame: int) -> "Scales":
+    def measure(cls, clip: ClipView, frame: int) -> "Scales":
         """Exposure and depth of one frame; motion of the whole clip, so that its frames can be compared."""
         light = clip.find(frame, *_LIGHT)
         depth = clip.find(frame, "depth", "high_depth")
@@ -56,12 +56,12 @@ def error_scale(error: Array) -> float:
     return max(float(np.percentile(error, 99.5)), _LEAST_ERROR)
 
 
-def in_pixels(clip: Clip, motion: Array) -> Array:
+def in_pixels(clip: ClipView, motion: Array) -> Array:
     """Motion ``(2, ...)`` in low-resolution pixels instead of units of the image."""
     return motion * np.array(clip.low_size, dtype=np.float32)[:, None, None]
 
 
-def _motion_scale(clip: Clip, frame: int) -> float:
+def _motion_scale(clip: ClipView, frame: int) -> float:
     """The 99.5th percentile of the clip's motion, rounded up to two digits."""
     name = clip.find(frame, *_MOTION)
     if name is None:

@@ -8,8 +8,8 @@ import numpy as np
 from PIL import Image
 
 from supersampling.errors import UserError
-from supersampling.show.checks import warp_check_of
-from supersampling.show.clip import Clip
+from supersampling.show.checks import check_warp
+from supersampling.show.clip import ClipView
 from supersampling.show.paint import Picture
 from supersampling.show.panels import buffer_panel, warp_panels
 from supersampling.show.scales import Scales, error_scale
@@ -18,14 +18,14 @@ from supersampling.show.sheet import Panel, Section, compose
 _ABSENT = 58
 
 
-def video_frames(clip: Clip, reference: int, size: tuple[int, int], heading: str) -> Iterator[Picture]:
+def video_frames(clip: ClipView, reference: int, size: tuple[int, int], heading: str) -> Iterator[Picture]:
     """Every frame of a clip: input and target, motion and warp error, whichever of them the clip has.
 
     Colours mean the same in all frames: what they do in the frame ``reference``. Where a frame lacks what others have, its
     place is grey.
     """
-    scales = Scales.of(clip, reference)
-    check = warp_check_of(clip, reference)
+    scales = Scales.measure(clip, reference)
+    check = check_warp(clip, reference)
     full = error_scale(check.still_error) if check else None
     shown = [name for name in ("color", "target", "motion") if clip.has(name, clip.frames - 1)]
     for t in range(clip.frames):

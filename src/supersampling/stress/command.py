@@ -51,7 +51,7 @@ def stress_command(cfg: DictConfig) -> bool:
     torch.set_num_threads(cfg.threads)
     budget = budget_of(str(cfg.effort))
     size = size_of(list(cfg.size))
-    device = device_of(cfg.device)
+    device = model_device(cfg.device)
     names = None if cfg.extremes is None else [str(name) for name in cfg.extremes]
     extremes = choose(names, budget.full)
     precisions = chosen(None if cfg.precisions is None else [str(p) for p in cfg.precisions], device)
@@ -133,7 +133,7 @@ def size_of(size: Sequence[object]) -> tuple[int, int]:
     return width, height
 
 
-def device_of(name: str | None) -> str:
+def model_device(name: str | None) -> str:
     """The named device, or the accelerator if there is one."""
     if name is None:
         return "cuda" if torch.cuda.is_available() else "cpu"

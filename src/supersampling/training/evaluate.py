@@ -8,14 +8,14 @@ import torch
 from hydra.utils import instantiate
 from omegaconf import DictConfig
 
-from supersampling.data.module import Source, fingerprint
+from supersampling.data.module import DataSource, fingerprint
 from supersampling.errors import UserError
 from supersampling.evaluation.folder import clip_files
 from supersampling.evaluation.playback import (
     DisplayImages,
     Playback,
     RadianceImages,
-    Targets,
+    TargetImages,
     recorded_methods,
 )
 from supersampling.evaluation.result import Result, evaluate
@@ -62,12 +62,12 @@ def evaluate_command(cfg: DictConfig) -> None:
 
 
 def _test_files(cfg: DictConfig, model: Upsampler, metrics: Metrics) -> list[Path]:
-    source: Source = instantiate(cfg.data)
+    source: DataSource = instantiate(cfg.data)
     return source.files(["test"], evaluation_requires(model, metrics))["test"]
 
 
 def _score_recordings(experiment: Experiment, cfg: DictConfig) -> None:
-    files = _test_files(cfg, Playback(cfg.task.scale, Targets([])), instantiate(cfg.metrics))
+    files = _test_files(cfg, Playback(cfg.task.scale, TargetImages([])), instantiate(cfg.metrics))
     sanity = score_sanity(cfg, files, experiment)
     methods = recorded_methods(Path(cfg.capture), files) if cfg.capture else _of_folder(cfg, files)
     for name, model in methods.items():

@@ -15,7 +15,7 @@ from hydra.utils import instantiate
 from mlflow.entities import Run
 from omegaconf import DictConfig, OmegaConf, open_dict
 
-from supersampling.data.module import Source, fingerprint
+from supersampling.data.module import DataSource, fingerprint
 from supersampling.errors import let_go, was_interrupted
 from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
@@ -93,7 +93,7 @@ def _fitting(cfg: DictConfig, model: Upsampler) -> frozenset[str]:
 
 def data_files(cfg: DictConfig, jobs: Sequence[DictConfig]) -> Files:
     """The files of every split with the buffers that these jobs read; metrics read the test clips alone."""
-    source: Source = instantiate(cfg.data)
+    source: DataSource = instantiate(cfg.data)
     fitted = frozenset().union(*map(fitting_buffers, jobs))
     scored = fitted.union(*map(scoring_buffers, jobs))
     return source.files(("train", "val"), fitted) | source.files(("test",), scored)

@@ -22,7 +22,7 @@ def log_result(experiment: Experiment, run_id: str, result: Result, more: Mappin
     client = experiment.client
     older = scores_of(experiment, run_id)
     if older is not None:
-        result = result.keep(older)
+        result = result.merge(older)
     experiment.log_metrics(run_id, {**result.summary(), **more})
     client.log_table(run_id, result.clips, "clips.json")
     client.log_table(run_id, result.frames, "frames.json")

@@ -9,7 +9,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from supersampling.data.module import fingerprint
-from supersampling.evaluation.playback import Playback, Targets
+from supersampling.evaluation.playback import Playback, TargetImages
 from supersampling.evaluation.result import Result, evaluate
 from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
@@ -24,7 +24,7 @@ def score_sanity(cfg: DictConfig, files: list[Path], experiment: Experiment) -> 
     The means over all clips, by metric, of either.
     """
     methods: dict[str, Upsampler] = {
-        "reference": Playback(cfg.task.scale, Targets(files)),
+        "reference": Playback(cfg.task.scale, TargetImages(files)),
         "raw input": Nearest(cfg.task.scale),
     }
     return {name: score_once(cfg, experiment, "sanity", name, model, "", files)[1] for name, model in methods.items()}

@@ -4,17 +4,17 @@ import json
 from pathlib import Path
 from typing import Any
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.images import write_exr
-from supersampling.data.exporters.source import frames_of
+from supersampling.data.exporters.source import read_frames
 from supersampling.data.readers.arm import Arm, stored_depth
-from supersampling.data.store import Store
 
 NEEDED = frozenset({"radiance", "depth", "motion", "jitter", "target_radiance", "high_motion"})
 NEAR, FAR = 0.1, 200.0
 """Planes for files that do not record theirs; linear depth is relative to them anyway."""
 
 
-def export_arm(store: Store, folder: Path) -> None:
+def export_arm(store: DatasetFile, folder: Path) -> None:
     """All clips below ``folder / split``: clip ``k`` becomes sequence ``k``.
 
     Exact: radiance, jitter to float32's rounding. Motion is rounded to half floats; depth becomes a 32-bit forward depth buffer,
@@ -25,14 +25,14 @@ def export_arm(store: Store, folder: Path) -> None:
     width, height = (n // spec.scale for n in spec.target_size)
     for clip in range(store.clips):
         entries: list[dict[str, Any]] = []
-        for t, frame in enumerate(frames_of(store, clip, NEEDED)):
+        for t, frame in enumerate(read_frames(store, clip, NEEDED)):
             low, file = base / f"x{spec.scale}", f"{clip:04d}/{t:04d}.exr"
             write_exr(low / "color" / file, frame["radiance"], "RGB")
             write_exr(low / "depth" / file, stored_depth(frame["depth"], near, far), "R", half=False)
-            write_exr(low / "motion" / file, Arm.motion.stored(frame["motion"]), "RG")
+            write_exr(low / "motion" / file, Arm.motion.encode(frame["motion"]), "RG")
             write_exr(base / "ground_truth" / file, frame["target_radiance"], "RGB")
-            write_exr(base / "motion_gt" / file, Arm.motion.stored(frame["high_motion"]), "RG")
-            x, y = (float(v) for v in Arm.jitter.stored(frame["jitter"]))
+            write_exr(base / "motion_gt" / file, Arm.motion.encode(frame["high_motion"]), "RG")
+            x, y = (float(v) for v in Arm.jitter.encode(frame["jitter"]))
             entries.append(
                 {
                     "Frame": t, "CameraCut": t == 0, "CameraNearPlane": near, "CameraFarPlane": far, "Exposure": 1.0,

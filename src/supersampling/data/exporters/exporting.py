@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters import arm, nsrd, qrisp
 from supersampling.data.exporters.source import check_exportable, empty_folder
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 
-Writer = Callable[[Store, Path], None]
+Writer = Callable[[DatasetFile, Path], None]
 WRITERS: dict[str, tuple[Writer, frozenset[str]]] = {
     "qrisp": (qrisp.export_qrisp, qrisp.NEEDED),
     "nsrd": (nsrd.export_nsrd, nsrd.NEEDED),
@@ -27,7 +27,7 @@ def export(layout: str, h5_path: Path, out_folder: Path) -> Path:
     if layout not in WRITERS:
         raise UserError(f"There is no capture layout {layout!r}: use one of {', '.join(WRITERS)}.")
     write, needed = WRITERS[layout]
-    store = Store(h5_path)
+    store = DatasetFile(h5_path)
     try:
         check_exportable(store, needed, layout)
         write(store, empty_folder(out_folder))

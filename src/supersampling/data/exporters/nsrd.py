@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.images import write_exr, write_png
-from supersampling.data.exporters.source import frames_of
+from supersampling.data.exporters.source import read_frames
 from supersampling.data.readers.images import Image
 from supersampling.data.readers.nsrd import EMISSIVE, GT, TARGET, Nsrd, low_folder
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.ops.demodulate import demodulate
 
@@ -21,7 +21,7 @@ NEEDED = frozenset(
 )  # fmt: skip
 
 
-def export_nsrd(store: Store, folder: Path) -> None:
+def export_nsrd(store: DatasetFile, folder: Path) -> None:
     """All clips below ``folder``: clip ``k`` becomes folder ``k`` of its split.
 
     NSRD's remodulation replaces where ours adds, so ``Emission_Sky`` holds the whole radiance of pixels that emit, and 0
@@ -37,14 +37,14 @@ def export_nsrd(store: Store, folder: Path) -> None:
     for clip in range(store.clips):
         low = folder / store.spec.split / low_folder(store.spec.scale) / str(clip)
         high = folder / store.spec.split / GT / str(clip)
-        for t, frame in enumerate(frames_of(store, clip, NEEDED)):
+        for t, frame in enumerate(read_frames(store, clip, NEEDED)):
             file = f"{t}.exr"
             lighting = _lighting(frame["radiance"], frame["material"], frame["emission"])
             write_exr(low / "Irradiance" / file, lighting, "RGB", half=False)
             write_exr(low / "Normal" / file, frame["normal"], "RGB", half=False)
             write_exr(low / "Depth" / file, frame["depth"], "R", half=False)
-            write_exr(low / "MV" / file, Nsrd.motion.stored(frame["motion"]), "RG", half=False)
-            write_exr(low / "OCMV" / file, Nsrd.motion.stored(frame["motion_dual"]), "RG", half=False)
+            write_exr(low / "MV" / file, Nsrd.motion.encode(frame["motion"]), "RG", half=False)
+            write_exr(low / "OCMV" / file, Nsrd.motion.encode(frame["motion_dual"]), "RG", half=False)
             radiance, material, emission = (frame[n] for n in ("target_radiance", "high_material", "high_emission"))
             write_exr(high / "Irradiance" / file, _lighting(radiance, material, emission), "RGB", half=False)
             write_exr(high / "BRDF" / file, material, "RGB", half=False)

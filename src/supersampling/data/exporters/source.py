@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.readers.images import Image
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 
 
-def check_exportable(store: Store, needed: frozenset[str], layout: str) -> None:
+def check_exportable(store: DatasetFile, needed: frozenset[str], layout: str) -> None:
     """Raises `UserError` for a file that lacks buffers, or targets of some frames."""
     missing = sorted(needed - store.buffers)
     if missing:
@@ -26,7 +26,7 @@ def check_exportable(store: Store, needed: frozenset[str], layout: str) -> None:
         )
 
 
-def frames_of(store: Store, clip: int, needed: frozenset[str]) -> Iterator[dict[str, Image]]:
+def read_frames(store: DatasetFile, clip: int, needed: frozenset[str]) -> Iterator[dict[str, Image]]:
     """The frames of a clip, one at a time: buffers ``(h, w, C)``, jitter ``(2,)``."""
     for t in range(store.spec.frames):
         frame = {}
@@ -36,7 +36,7 @@ def frames_of(store: Store, clip: int, needed: frozenset[str]) -> Iterator[dict[
         yield frame
 
 
-def scene_name(store: Store) -> str:
+def scene_name(store: DatasetFile) -> str:
     """The scene as a folder's name."""
     last = store.spec.scene.rsplit("/", 1)[-1]
     return "".join(c if c.isalnum() or c in "-_" else "_" for c in last) or "Scene"

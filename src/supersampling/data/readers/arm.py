@@ -12,9 +12,9 @@ import numpy as np
 import torch
 
 from supersampling.data.readers.conventions import Convention
-from supersampling.data.readers.files import Frames, number, numbers_of, read_json
+from supersampling.data.readers.files import Frames, frame_numbers, number, read_json
 from supersampling.data.readers.images import Image, exr_size, read_exr
-from supersampling.data.readers.layout import Clip, Layout
+from supersampling.data.readers.layout import CaptureClip, Layout
 from supersampling.data.readers.units import checked_jitter, checked_motion
 from supersampling.data.spec import SPLITS
 from supersampling.errors import UserError
@@ -58,8 +58,8 @@ class Arm(Layout):
             "far_plane": f"infinite ones count as {INFINITE_FAR:g}",
         }
 
-    def clips(self) -> list[Clip]:
-        found: list[Clip] = []
+    def clips(self) -> list[CaptureClip]:
+        found: list[CaptureClip] = []
         name = self.root.name.lower()
         for folder, split in (("", name if name in SPLITS else "train"), *((s, s) for s in SPLITS)):
             base = self.root.inside(folder)
@@ -75,7 +75,7 @@ class Arm(Layout):
             raise UserError(f"{self.root.path} has no sequences named <number>.json: give the folder that holds them.")
         return found
 
-    def _sequence(self, base: Path, path: Path, split: str) -> list[Clip]:
+    def _sequence(self, base: Path, path: Path, split: str) -> list[CaptureClip]:
         meta = read_json(self.root.inside(path))
         entries = meta.get("Frames") if isinstance(meta, dict) else None
         entries = entries if isinstance(entries, list) and all(isinstance(e, dict) for e in entries) else None
@@ -89,20 +89,20 @@ class Arm(Layout):
         }
         streams["target"] = self.root.frames(base / "ground_truth" / path.stem, ".exr")
         streams["high_motion"] = self.root.frames(base / "motion_gt" / path.stem, ".exr")
-        numbers = numbers_of(streams)
+        numbers = frame_numbers(streams)
         if len(numbers) != len(entries):
             raise UserError(
                 f"{path} describes {len(entries)} frames, but {len(numbers)} are there: restore what is missing."
             )
         cuts = [k for k, entry in enumerate(entries) if k and entry.get("CameraCut") is True]
-        sequence = Sequence(path, meta, streams)
+        sequence = ArmSequence(path, meta, streams)
         return [
             ArmClip(self, split, sequence, numbers[start:stop], entries[start:stop])
             for start, stop in zip([0, *cuts], [*cuts, len(numbers)])
         ]
 
 
-class Sequence:
+class ArmSequence:
     """What a sequence's clips share: its JSON and its files."""
 
     def __init__(self, path: Path, meta: dict[str, Any], streams: dict[str, Frames]) -> None:
@@ -110,7 +110,7 @@ class Sequence:
         self.reversed_z: bool = meta["ReverseZ"]
         self._indices = meta.get("UpscalingRatiosIndices")
 
-    def jitter_of(self, entry: dict[str, Any], scale: int) -> Image:
+    def read_jitter(self, entry: dict[str, Any], scale: int) -> Image:
         """The frame's normalised jitter ``(2,)`` at a scale, as stored."""
         listed = entry.get("NormalizedPerRatioJitter")
         index = self._indices.get(f"x{scale}_index") if isinstance(self._indices, dict) else 0
@@ -121,11 +121,11 @@ class Sequence:
         return np.array([number(listed[index], axis, self.path) for axis in "XY"], dtype=np.float32)
 
 
-class ArmClip(Clip):
+class ArmClip(CaptureClip):
     """Consecutive frames of a sequence between two camera cuts."""
 
     def __init__(
-        self, layout: Arm, split: str, sequence: Sequence, numbers: list[int], entries: list[dict[str, Any]]
+        self, layout: Arm, split: str, sequence: ArmSequence, numbers: list[int], entries: list[dict[str, Any]]
     ) -> None:
         self._sequence, self._numbers, self._entries = sequence, numbers, entries
         self._conventions, self._scale = layout.conventions, layout.scale
@@ -165,10 +165,10 @@ class ArmClip(Clip):
         for name, size in (("motion", self._low_size), ("high_motion", self.size)):
             if name in names:
                 stored = read_exr(paths[name], size, ("RG", "XY"))
-                out[name] = checked_motion(self._conventions.motion.ours(stored), paths[name])
+                out[name] = checked_motion(self._conventions.motion.decode(stored), paths[name])
         if "jitter" in names:
-            stored = self._sequence.jitter_of(entry, self._scale) * np.array(self._low_size, dtype=np.float32)
-            out["jitter"] = checked_jitter(self._conventions.jitter.ours(stored), self._sequence.path)
+            stored = self._sequence.read_jitter(entry, self._scale) * np.array(self._low_size, dtype=np.float32)
+            out["jitter"] = checked_jitter(self._conventions.jitter.decode(stored), self._sequence.path)
         return {name: image for name, image in out.items() if name in names}
 
     def _exposure(self, entry: dict[str, Any]) -> float:

@@ -52,18 +52,18 @@ class Convention:
         found: list[str] = re.findall(r"-?[xy]", self.axes)
         return [(-factor if len(term) == 2 else factor, AXES[term[-1]]) for term in found]
 
-    def ours(self, channels: NDArray[np.float32]) -> NDArray[np.float32]:
+    def decode(self, channels: NDArray[np.float32]) -> NDArray[np.float32]:
         """A file's channels ``(..., 2)`` as our (x, y)."""
         out = np.empty_like(channels)
         for k, (factor, axis) in enumerate(self._channels):
             out[..., axis] = factor * channels[..., k]
         return out
 
-    def stored(self, vectors: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Our (x, y) ``(..., 2)`` as a file's channels: the inverse of `ours`."""
+    def encode(self, vectors: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Our (x, y) ``(..., 2)`` as a file's channels: the inverse of `decode`."""
         return np.stack([vectors[..., axis] / np.float32(factor) for factor, axis in self._channels], axis=-1)
 
-    def turns(self) -> list["Convention"]:
+    def variants(self) -> list["Convention"]:
         """All eight orders and signs, with this one's factor."""
         return [Convention(c.name + self.suffix) for c in CONVENTIONS]
 

@@ -81,7 +81,7 @@ class Frames:
         return self.files[number]
 
 
-def numbers_of(streams: Mapping[str, Frames]) -> list[int]:
+def frame_numbers(streams: Mapping[str, Frames]) -> list[int]:
     """The frame numbers of a clip, of which every buffer must have every one.
 
     Raises:

@@ -17,10 +17,10 @@ from supersampling.data.readers.conventions import Convention
 from supersampling.data.readers.depth_check import check_depth
 from supersampling.data.readers.files import Root
 from supersampling.data.readers.jitter_check import check_jitter
-from supersampling.data.readers.layout import Clip, Conventions, Layout
+from supersampling.data.readers.layout import CaptureClip, Conventions, Layout
 from supersampling.data.readers.motion_check import check_motion
 from supersampling.data.readers.nsrd import Nsrd
-from supersampling.data.readers.pairs import pairs_of
+from supersampling.data.readers.pairs import select_pairs
 from supersampling.data.readers.qrisp import Qrisp
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.writer import ClipWriter
@@ -33,7 +33,7 @@ READER_VERSION = 1
 """To be raised when the readers make other content of the same capture."""
 
 
-class Asked(NamedTuple):
+class Overrides(NamedTuple):
     """What the user told, rather than the layout's documentation."""
 
     motion: bool
@@ -80,7 +80,7 @@ def import_capture(
         kind.jitter if jitter_convention is None else Convention.parse(jitter_convention),
         reversed_depth,
     )
-    asked = Asked(convention is not None, jitter_convention is not None, reversed_depth is not None)
+    asked = Overrides(convention is not None, jitter_convention is not None, reversed_depth is not None)
     capture = kind(Root(path), scale, conventions)
     clips = sorted(capture.clips(), key=_group)
     made = []
@@ -91,14 +91,14 @@ def import_capture(
     return made
 
 
-def _group(clip: Clip) -> tuple[str, str, int, tuple[int, int]]:
+def _group(clip: CaptureClip) -> tuple[str, str, int, tuple[int, int]]:
     return clip.scene, clip.split, clip.frames, clip.size
 
 
 class ImportedFile:
     """One data set file to be made of ``clips`` of the same scene, split, length and size."""
 
-    def __init__(self, name: str, layout: Layout, clips: Sequence[Clip], folder: Path) -> None:
+    def __init__(self, name: str, layout: Layout, clips: Sequence[CaptureClip], folder: Path) -> None:
         self._layout, self._clips = layout, clips
         first = clips[0]
         self.spec = CaptureSpec(
@@ -109,7 +109,7 @@ class ImportedFile:
         self._file = ClipwiseFile(self.spec, folder, layout.buffers)
         self.path = self._file.path
 
-    def work(self, asked: Asked) -> None:
+    def work(self, asked: Overrides) -> None:
         """Check the capture, read every clip that is missing, and join them; clips that other processes are at are waited for."""
         if self._file.missing():
             self._check(asked)
@@ -124,9 +124,9 @@ class ImportedFile:
             if self._file.missing():
                 time.sleep(_POLL)
 
-    def _check(self, asked: Asked) -> None:
+    def _check(self, asked: Overrides) -> None:
         where, conventions = f"{self.spec.scene} {self.spec.split}", self._layout.conventions
-        pairs = pairs_of(self._clips)
+        pairs = select_pairs(self._clips)
         print(check_motion(where, pairs, conventions.motion, asked.motion))
         if "color" in self._layout.buffers:
             print(check_jitter(where, pairs, conventions.jitter, asked.jitter))
@@ -150,7 +150,7 @@ class ImportedFile:
         } | self._layout.notes()
 
 
-def _digest(layout: Layout, clips: Sequence[Clip]) -> str:
+def _digest(layout: Layout, clips: Sequence[CaptureClip]) -> str:
     """16 hex digits of what is read and how: relative file names, sizes, conventions."""
     files = [(str(f.relative_to(layout.root.path)), f.stat().st_size) for clip in clips for f in clip.files()]
     conventions = layout.conventions

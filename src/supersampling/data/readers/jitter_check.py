@@ -6,7 +6,7 @@ import numpy as np
 import torch
 
 from supersampling.data.readers.conventions import Convention
-from supersampling.data.readers.motion_check import best_of
+from supersampling.data.readers.motion_check import best_convention
 from supersampling.data.readers.pairs import Pair
 from supersampling.errors import UserError
 from supersampling.ops.interpolate import sample_bilinear
@@ -16,14 +16,14 @@ CLEARLY = 0.97  # aliasing leaves a difference that the right jitter cannot remo
 NONE = "none"
 
 
-def errors_of(pairs: Sequence[Pair], used: Convention) -> dict[str, float]:
+def mean_errors(pairs: Sequence[Pair], used: Convention) -> dict[str, float]:
     """Mean absolute difference between the inputs and the target sampled at their places, by convention, and for `NONE`."""
-    total = dict.fromkeys((NONE, *(c.name for c in used.turns())), 0.0)
+    total = dict.fromkeys((NONE, *(c.name for c in used.variants())), 0.0)
     for pair in pairs:
         color, target = pair.tensor("color"), pair.tensor("target")
         height, width = color.shape[-2:]
-        stored = used.stored(pair.clip.read(pair.t, frozenset({"jitter"}))["jitter"])
-        offsets = {c.name: c.ours(stored) for c in used.turns()} | {NONE: np.zeros(2, np.float32)}
+        stored = used.encode(pair.clip.read(pair.t, frozenset({"jitter"}))["jitter"])
+        offsets = {c.name: c.decode(stored) for c in used.variants()} | {NONE: np.zeros(2, np.float32)}
         for name, offset in offsets.items():
             shift = torch.from_numpy(offset / np.array((width, height), np.float32)).view(1, 2, 1, 1)
             sampled = sample_bilinear(target, sampling_grid(shift.expand(1, 2, height, width)))
@@ -39,8 +39,8 @@ def check_jitter(where: str, pairs: Sequence[Pair], used: Convention, asked: boo
     """
     if not pairs:
         return f"{where}: clips of one frame, so the jitter (read as {used.name}) was not checked."
-    errors = errors_of(pairs, used)
-    ours, best = errors[used.name], best_of(errors, NONE)
+    errors = mean_errors(pairs, used)
+    ours, best = errors[used.name], best_convention(errors, NONE)
     told = f"mean difference {ours:.4g} with jitter read as {used.name}, {errors[NONE]:.4g} without jitter"
     if errors[best] < CLEARLY * ours and errors[best] < errors[NONE]:
         raise UserError(

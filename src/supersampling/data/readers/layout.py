@@ -20,7 +20,7 @@ class Conventions:
     reversed_depth: bool | None = None
 
 
-class Clip(ABC):
+class CaptureClip(ABC):
     """Consecutive frames of a capture; files are read when a frame is asked for.
 
     ``label`` is where they lie below the capture's folder, ``size`` the target's ``(width, height)`` in pixels.
@@ -60,7 +60,7 @@ class Layout(ABC):
         self.root, self.scale, self.conventions = root, scale, conventions
 
     @abstractmethod
-    def clips(self) -> list[Clip]:
+    def clips(self) -> list[CaptureClip]:
         """All clips, in a fixed order.
 
         Raises:

@@ -21,7 +21,7 @@ SAMPLES = 100_000  # pixels of a pair that are looked at
 STILL = "still"
 
 
-def errors_of(
+def mean_errors(
     pairs: Sequence[Pair],
     used: Convention,
     others: Sequence[Convention],
@@ -47,14 +47,14 @@ def errors_of(
         there = now[0, :, rows, columns]
         count += len(rows)
         total[STILL] += float((before[0, :, rows, columns] - there).abs().mean(dim=0).sum(dtype=torch.float64))
-        stored = used.stored(vectors.numpy())
+        stored = used.encode(vectors.numpy())
         for other in others:
-            fetched = sample_bilinear(before, (places + 2.0 * torch.from_numpy(other.ours(stored)))[None, None])
+            fetched = sample_bilinear(before, (places + 2.0 * torch.from_numpy(other.decode(stored)))[None, None])
             total[other.name] += float((fetched[0, :, 0] - there).abs().mean(dim=0).sum(dtype=torch.float64))
     return {name: value / max(count, 1) for name, value in total.items()}
 
 
-def best_of(errors: Mapping[str, float], without: str) -> str:
+def best_convention(errors: Mapping[str, float], without: str) -> str:
     """The convention with the least error."""
     return min((name for name in errors if name != without), key=lambda name: errors[name])
 
@@ -68,8 +68,8 @@ def check_motion(where: str, pairs: Sequence[Pair], used: Convention, asked: boo
     moving = [pair for pair in pairs if pair.moving >= ENOUGH]
     if not moving:
         return f"{where}: next to nothing moves, so its motion (read as {used.name}) could not be checked."
-    errors = errors_of(moving, used, [Convention(c.name + factor) for c in CONVENTIONS for factor in FACTORS])
-    ours, still, best = errors[used.name], errors[STILL], best_of(errors, STILL)
+    errors = mean_errors(moving, used, [Convention(c.name + factor) for c in CONVENTIONS for factor in FACTORS])
+    ours, still, best = errors[used.name], errors[STILL], best_convention(errors, STILL)
     told = f"mean difference {ours:.4g} with motion read as {used.name}, {still:.4g} without motion"
     if errors[best] < CLEARLY * ours and errors[best] < still:
         raise UserError(
@@ -92,8 +92,8 @@ def _advice(pairs: Sequence[Pair], used: Convention) -> str:
         "percent of the image": (0.01, 0.01),
     }
     for unit, size in units.items():
-        errors = errors_of(pairs, used, used.turns(), size)
-        best = best_of(errors, STILL)
+        errors = mean_errors(pairs, used, used.variants(), size)
+        best = best_convention(errors, STILL)
         if errors[best] < CLEARLY * errors[STILL]:
             return f"in {unit} it would fit (as {best}): write it in fractions of the image's width and height"
     return (

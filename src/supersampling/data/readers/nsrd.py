@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from supersampling.data.readers.conventions import Convention
-from supersampling.data.readers.files import Root, numbers_of
+from supersampling.data.readers.files import Root, frame_numbers
 from supersampling.data.readers.images import Image, png_size, read_exr, read_png
-from supersampling.data.readers.layout import Clip, Conventions, Layout
+from supersampling.data.readers.layout import CaptureClip, Conventions, Layout
 from supersampling.data.readers.units import checked_motion
 from supersampling.data.spec import SPLITS
 from supersampling.errors import UserError
@@ -58,7 +58,7 @@ class Nsrd(Layout):
             "normal_axes": "as captured",
         }
 
-    def clips(self) -> list[Clip]:
+    def clips(self) -> list[CaptureClip]:
         found: list[NsrdClip] = []
         for split in SPLITS:
             low, high = (self.root.folders(split, kind) for kind in (low_folder(self.scale), GT))
@@ -79,7 +79,7 @@ class Nsrd(Layout):
         return 1.0 if largest <= 1.0 else 10.0 ** math.ceil(math.log10(largest))
 
 
-class NsrdClip(Clip):
+class NsrdClip(CaptureClip):
     """One numbered folder of a split."""
 
     def __init__(self, layout: Nsrd, split: str, folder: str) -> None:
@@ -88,7 +88,7 @@ class NsrdClip(Clip):
         self._streams = {name: root.frames(low / kind, ".exr") for name, kind in LOW.items()}
         self._streams |= {name: root.frames(high / kind, ".exr") for name, kind in HIGH.items()}
         self._streams["target"] = root.frames(high / TARGET, ".png")
-        self._numbers = numbers_of(self._streams)
+        self._numbers = frame_numbers(self._streams)
         size = png_size(self._streams["target"][self._numbers[0]])
         super().__init__(f"nsrd/{root.name}", split, str(low), size)
         if size[0] % layout.scale or size[1] % layout.scale:
@@ -127,7 +127,7 @@ class NsrdClip(Clip):
             out["depth"] = 1.0 - depth if self._layout.conventions.reversed_depth else depth
         for name in sorted(names & {"motion", "motion_dual"}):
             stored = read_exr(paths[name], self._low_size, ("RG", "XY"))
-            out[name] = checked_motion(self._layout.conventions.motion.ours(stored), paths[name])
+            out[name] = checked_motion(self._layout.conventions.motion.decode(stored), paths[name])
         if "target" in names:
             out["target"] = read_png(paths["target"], self.size, 3).astype(np.float32) / np.float32(255.0)
         if names & {"target_radiance", "high_material", "high_emission"}:

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from supersampling.data.readers.images import Image
-from supersampling.data.readers.layout import Clip
+from supersampling.data.readers.layout import CaptureClip
 
 PROPOSED = 24  # pairs whose motion is read
 CHOSEN = 6  # of which the checks take those that move most
@@ -19,7 +19,7 @@ MOVING = 0.5  # target pixels a frame
 class Pair:
     """Frames ``t - 1`` and ``t`` of a clip; ``moving`` is the share of low-resolution pixels that move by `MOVING` or more."""
 
-    clip: Clip
+    clip: CaptureClip
     t: int
     moving: float
 
@@ -31,7 +31,7 @@ class Pair:
         return torch.from_numpy(np.ascontiguousarray(self.read(name, before).transpose(2, 0, 1)))[None]
 
 
-def pairs_of(clips: Sequence[Clip]) -> list[Pair]:
+def select_pairs(clips: Sequence[CaptureClip]) -> list[Pair]:
     """Up to `CHOSEN` pairs, the ones that move most of those spread evenly over all clips; the same for the same capture."""
     every = [(clip, t) for clip in clips for t in range(1, clip.frames)]
     spread = sorted({round(k) for k in np.linspace(0, len(every) - 1, PROPOSED)}) if every else []

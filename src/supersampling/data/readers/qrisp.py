@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from supersampling.data.readers.camera_data import Jitters
 from supersampling.data.readers.conventions import Convention
-from supersampling.data.readers.files import Frames, Root, numbers_of
+from supersampling.data.readers.files import Frames, Root, frame_numbers
 from supersampling.data.readers.images import Image, png_size, read_exr, read_png
-from supersampling.data.readers.layout import Clip, Layout
+from supersampling.data.readers.layout import CaptureClip, Layout
 from supersampling.data.readers.units import checked_jitter, checked_motion
 from supersampling.errors import UserError
 
@@ -73,9 +73,9 @@ class Qrisp(Layout):
             "tonemap": "the game's own, unknown",
         }
 
-    def clips(self) -> list[Clip]:
+    def clips(self) -> list[CaptureClip]:
         check_scale(self.scale)
-        clips: list[Clip] = []
+        clips: list[CaptureClip] = []
         for set_name, split in SPLITS.items():
             for scene in self.root.folders(set_name):
                 low = (set_name, scene, RESOLUTIONS[self.scale][0])
@@ -93,7 +93,7 @@ class Qrisp(Layout):
         return clips
 
 
-class QrispClip(Clip):
+class QrispClip(CaptureClip):
     """One segment."""
 
     def __init__(self, layout: Qrisp, set_name: str, split: str, scene: str, segment: str) -> None:
@@ -106,7 +106,7 @@ class QrispClip(Clip):
             "motion": root.frames(low / modality("MotionVectors", scale) / segment, ".exr"),
             "target": root.frames(base.joinpath(*TARGET) / segment, ".png"),
         }
-        self._numbers = numbers_of(self._streams)
+        self._numbers = frame_numbers(self._streams)
         self._jitters = Jitters(root, low / CAMERA, segment, self._numbers)
         size = png_size(self._streams["target"][self._numbers[0]])
         super().__init__(f"qrisp/{scene}", split, f"{base}/{segment}", size)
@@ -137,10 +137,10 @@ class QrispClip(Clip):
             out["depth"] = 1.0 - depth if self._conventions.reversed_depth else depth
         if "motion" in names:
             stored = read_exr(paths["motion"], self._low_size, ("RG", "XY"))
-            out["motion"] = checked_motion(self._conventions.motion.ours(stored), paths["motion"])
+            out["motion"] = checked_motion(self._conventions.motion.decode(stored), paths["motion"])
         if "jitter" in names:
             stored, path = self._jitters.read(number)
-            out["jitter"] = checked_jitter(self._conventions.jitter.ours(stored), path)
+            out["jitter"] = checked_jitter(self._conventions.jitter.decode(stored), path)
         return out
 
 

@@ -33,7 +33,7 @@ def restore(name: str, stored: NDArray[Any]) -> NDArray[np.float32]:
     return stored.astype(np.float32, copy=False)
 
 
-class Store:
+class DatasetFile:
     """An open data set file, read only.
 
     Raises:
@@ -50,7 +50,7 @@ class Store:
             raise UserError(
                 f"{path} is truncated or not an HDF5 file: delete it, and it will be rendered again."
             ) from error
-        self._held: dict[str, NDArray[Any]] = {}
+        self._loaded: dict[str, NDArray[Any]] = {}
         self.spec = self._read_spec()
 
     @property
@@ -99,7 +99,7 @@ class Store:
         (``spec.targets``). ``window`` is ``(x, y, width, height)`` in the buffer's own pixels. Motion stays in units of the
         *returned* image, so that ``previous_uv = uv + motion`` holds in a crop as it does in the whole.
         """
-        data = self._held.get(name, self._file[name])
+        data = self._loaded.get(name, self._file[name])
         first, stop, _ = frames.indices(self.spec.frames)
         if BUFFERS[name].resolution == "high":
             offset = self.spec.frames - self.spec.targets
@@ -119,16 +119,16 @@ class Store:
         """Bytes that these buffers take in memory."""
         return sum(self._file[name].nbytes for name in names)
 
-    def hold(self, names: Iterable[str]) -> None:
+    def load(self, names: Iterable[str]) -> None:
         """Keep whole buffers in memory: a window then costs a copy instead of a read and a decompression a frame."""
-        self._held = {name: self._file[name][()] for name in names}
+        self._loaded = {name: self._file[name][()] for name in names}
 
     def close(self) -> None:
         self._file.close()
 
 
-def spec_of(path: Path) -> CaptureSpec:
+def read_spec(path: Path) -> CaptureSpec:
     """What a file says that it holds."""
-    store = Store(path)
+    store = DatasetFile(path)
     store.close()
     return store.spec

@@ -2,13 +2,13 @@ import h5py
 import numpy as np
 import pytest
 
-from supersampling.data.store import Store, restore
+from supersampling.data.dataset_file import DatasetFile, restore
 from supersampling.data.writer import quantise
 from supersampling.errors import UserError
 
 
 def test_a_crop_equals_the_same_part_of_the_whole_frame(make_file, tmp_path):
-    store = Store(make_file(tmp_path, size=96))
+    store = DatasetFile(make_file(tmp_path, size=96))
     whole = store.read("target", 1, slice(2, 5))
     part = store.read("target", 1, slice(2, 5), (8, 20, 40, 32))
     assert part.shape == (3, 3, 32, 40)
@@ -17,7 +17,7 @@ def test_a_crop_equals_the_same_part_of_the_whole_frame(make_file, tmp_path):
 
 def test_motion_of_a_crop_points_at_the_same_place(make_file, tmp_path):
     """In pixels, a crop's motion is the whole's: uv units shrink with the image."""
-    store = Store(make_file(tmp_path, size=96))
+    store = DatasetFile(make_file(tmp_path, size=96))
     whole = store.read("motion", 0, slice(0, 1))
     part = store.read("motion", 0, slice(0, 1), (2, 3, 8, 6))
     pixels = np.array((24, 24)).reshape(2, 1, 1)
@@ -40,21 +40,21 @@ def test_equal_content_gives_equal_bytes(make_file, tmp_path):
 
 def test_a_missing_file_says_so(tmp_path):
     with pytest.raises(UserError, match=r"There is no data set .*nothing.h5"):
-        Store(tmp_path / "nothing.h5")
+        DatasetFile(tmp_path / "nothing.h5")
 
 
 def test_a_truncated_file_says_so(make_file, tmp_path):
     path = make_file(tmp_path)
     path.write_bytes(path.read_bytes()[:1000])
     with pytest.raises(UserError, match="truncated"):
-        Store(path)
+        DatasetFile(path)
 
 
 def test_a_foreign_file_says_so(tmp_path):
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["x"] = np.zeros(3)
     with pytest.raises(UserError, match="not a data set"):
-        Store(tmp_path / "other.h5")
+        DatasetFile(tmp_path / "other.h5")
 
 
 def test_a_full_disk_leaves_nothing(make_file, tmp_path, monkeypatch):
