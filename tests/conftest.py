@@ -72,19 +72,19 @@ def make_file() -> Callable[..., Path]:
         folder: Path, split: str = "train", clips: int = 2, frames: int = 8, size: int = 48, scale: int = 4
     ) -> Path:
         spec = CaptureSpec(
-            "analytic",
-            split,
-            clips,
-            frames,
-            frames,
-            (size, size),
-            (size, size),
-            scale,
-            "thesis",
-            "matched",
-            1,
-            0,
-            1,
+            scene="analytic",
+            split=split,
+            clips=clips,
+            frames=frames,
+            targets=frames,
+            frame=(size, size),
+            window=(size, size),
+            scale=scale,
+            jitter="thesis",
+            mip_bias="matched",
+            samples=1,
+            seed=0,
+            candidates=1,
         )
         sequence = jitter_sequence("thesis", scale)
         rng = np.random.default_rng(len(split))

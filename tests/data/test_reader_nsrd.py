@@ -63,7 +63,7 @@ def test_inputs_are_the_lighting(written, tmp_path):
     np.testing.assert_allclose(radiance[12:], lit[12:], rtol=5e-3)  # the corner above emits
 
 
-def test_stored_numbers_are_the_released_code_s(written):
+def test_stored_numbers_match_the_released_code(written):
     """Previous position is position - MV, y down; frames are numbered without padding."""
     _, capture = written
     motion = planes(capture / "train/X2/1/MV/4.exr", "RG")
@@ -77,16 +77,16 @@ def test_stored_numbers_are_the_released_code_s(written):
 
 
 @pytest.mark.parametrize(("unit", "largest"), [(37.0, 100.0), (1000.0, 1000.0)])
-def test_depth_in_another_unit_is_divided_by_a_power_of_ten(written, capture, tmp_path, unit, largest):
+def test_depth_in_unknown_unit_is_divided_by_a_power_of_ten(written, capture, tmp_path, unit, largest):
     for path in capture.rglob("Depth/*.exr"):
         write_exr(path, planes(path, "R") * np.float32(unit), "R", half=False)
     (path,) = import_capture("nsrd", capture, tmp_path / "out", scale=2)
-    want = DatasetFile(written[0]).read("depth", 1, slice(None)) * unit / largest
-    np.testing.assert_allclose(DatasetFile(path).read("depth", 1, slice(None)), want, rtol=1e-6)
+    expected = DatasetFile(written[0]).read("depth", 1, slice(None)) * unit / largest
+    np.testing.assert_allclose(DatasetFile(path).read("depth", 1, slice(None)), expected, rtol=1e-6)
     assert DatasetFile(path).attributes["depth_unit"] == f"captured depth / {largest:g}"
 
 
-def test_y_up_is_told(capture, tmp_path):
+def test_y_up_is_error(capture, tmp_path):
     for kind in ("MV", "OCMV"):
         for path in capture.rglob(f"{kind}/*.exr"):
             write_exr(path, planes(path, "RG") * np.array((1.0, -1.0)), "RG", half=False)
@@ -102,18 +102,18 @@ def poison(path):
 
 
 @pytest.mark.parametrize(
-    ("harm", "told"),
+    ("harm", "message"),
     [
-        (lambda c: poison(c / "train/X2/0/Irradiance/2.exr"), "2.exr holds 1 values that are NaN or Inf"),
-        (lambda c: shutil.rmtree(c / "train/GT/0/BRDF"), "BRDF holds no frames"),
+        (lambda c: poison(c / "train/X2/0/Irradiance/2.exr"), "2.exr has 1 values that are NaN or Inf"),
+        (lambda c: shutil.rmtree(c / "train/GT/0/BRDF"), "BRDF has no frames"),
         (lambda c: (c / "train/GT/0/View_PNG/3.png").unlink(), "3.png is missing"),
         (lambda c: shutil.copy(c / "train/X2/0/MV/3.exr", c / "train/X2/0/MV/03.exr"), "are the same frame"),
-        (lambda c: shutil.rmtree(c / "train/X2/0"), "Irradiance holds no frames"),
+        (lambda c: shutil.rmtree(c / "train/X2/0"), "Irradiance has no frames"),
         (lambda c: shutil.rmtree(c / "train/X2"), "no clips in the layout"),
     ],
 )
-def test_a_broken_capture_is_told(capture, tmp_path, harm, told):
+def test_broken_capture_is_error(capture, tmp_path, harm, message):
     harm(capture)
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         import_capture("nsrd", capture, tmp_path / "out", scale=2)
     assert not list((tmp_path / "out").glob("*.h5"))

@@ -1,4 +1,4 @@
-"""What a protocol leaves out."""
+"""Frames and pixels that a protocol leaves out."""
 
 import pytest
 import torch

@@ -62,7 +62,7 @@ def test_each_name_is_documented(name):
 
 
 @pytest.mark.parametrize("name", [name for metric in BY_ARGUMENT for name in metric.names])
-def test_names_that_depend_on_an_argument_are_resolved(name):
+def test_names_that_depend_on_argument_are_resolved(name):
     assert better(name) is not None
 
 

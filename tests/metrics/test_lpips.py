@@ -1,4 +1,4 @@
-"""LPIPS with random weights of its classifier where the trained ones are looked for, and without any."""
+"""LPIPS with random weights in place of the trained ones of its classifier, and without weights."""
 
 import math
 import shutil
@@ -16,8 +16,12 @@ from supersampling.metrics.lpips import LPIPS, trained
 
 # AlexNet (Krizhevsky 2014): its five convolutions, numbered as torchvision does; a pool of 3, stride 2 before 3 and 6.
 LAYERS = {
-    0: (3, 64, 11, 4, 2), 3: (64, 192, 5, 1, 2), 6: (192, 384, 3, 1, 1), 8: (384, 256, 3, 1, 1), 10: (256, 256, 3, 1, 1),
-}  # fmt: skip
+    0: (3, 64, 11, 4, 2),
+    3: (64, 192, 5, 1, 2),
+    6: (192, 384, 3, 1, 1),
+    8: (384, 256, 3, 1, 1),
+    10: (256, 256, 3, 1, 1),
+}
 
 
 def random_weights():
@@ -98,13 +102,13 @@ def test_more_noise_is_farther(metric):
     assert 0 < distances[0] < distances[1] < distances[2]
 
 
-def test_the_smallest_image(metric):
+def test_smallest_image(metric):
     assert math.isfinite(score(metric, picture(31, 31), picture(31, 31))["lpips_alex"])
     with pytest.raises(UserError, match="40x30"):
         score(metric, picture(30, 40), picture(30, 40))
 
 
-def test_without_weights_it_says_which_file_goes_where(tmp_path, monkeypatch):
+def test_missing_weights_name_file_and_folder(tmp_path, monkeypatch):
     def unreachable(*_, **__):
         raise OSError("no network")
 
@@ -114,10 +118,10 @@ def test_without_weights_it_says_which_file_goes_where(tmp_path, monkeypatch):
     url = AlexNet_Weights.IMAGENET1K_V1.url
     with pytest.raises(UserError, match="LPIPS needs") as error:
         LPIPS("alex")
-    for told in (url, str(tmp_path / "hub" / "checkpoints" / url.rsplit("/", 1)[-1]), "no network"):
-        assert told in str(error.value)
+    for text in (url, str(tmp_path / "hub" / "checkpoints" / url.rsplit("/", 1)[-1]), "no network"):
+        assert text in str(error.value)
 
 
-def test_an_unknown_network_is_refused():
+def test_unknown_network_is_error():
     with pytest.raises(UserError, match="network=squeeze"):
         LPIPS("squeeze")

@@ -1,4 +1,4 @@
-"""The Parquet table of scores: what is written is read back, and what is no such table is refused in a sentence."""
+"""The Parquet table of scores: written tables are read back, and invalid tables are errors of one sentence."""
 
 import numpy as np
 import pandas as pd
@@ -25,7 +25,7 @@ def scores() -> Scores:
     return Scores.with_scene_means(frames(), clips.assign(vmaf=[70.0, 80.0, 90.0, 50.0]))
 
 
-def test_frames_clips_and_scenes_come_back(tmp_path):
+def test_frames_clips_and_scenes_are_read_back(tmp_path):
     write_scores(tmp_path / "frames.parquet", scores())
     read = read_scores(tmp_path / "frames.parquet")
     pd.testing.assert_frame_equal(read.frames, frames(), check_dtype=False)

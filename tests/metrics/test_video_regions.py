@@ -9,7 +9,7 @@ from supersampling.metrics.regions import Regions, disoccluded, region_psnr, sta
 
 
 def test_each_region_has_its_own_error():
-    """One low-resolution pixel a target pixel, so that regions are exact: each part gets another error."""
+    """One low-resolution pixel per target pixel, so that regions are exact: each region has a different error."""
     target = torch.full((1, 3, 8, 16), 0.5)
     motion, dual = torch.zeros(1, 2, 8, 16), torch.zeros(1, 2, 8, 16)
     motion[:, 0, :, 8:] = -2 / 16

@@ -15,7 +15,21 @@ from supersampling.render.pool import render_files
 from supersampling.render.scene import Material, Mesh, Object, Route, Scene, Sky
 
 USUAL = frozenset({"color", "depth", "motion", "jitter", "target"})
-SPEC = CaptureSpec("wall", "train", 3, 4, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)
+SPEC = CaptureSpec(
+    scene="wall",
+    split="train",
+    clips=3,
+    frames=4,
+    targets=4,
+    frame=(192, 108),
+    window=(64, 64),
+    scale=4,
+    jitter="thesis",
+    mip_bias="matched",
+    samples=2,
+    seed=0,
+    candidates=2,
+)
 
 
 def render_file(spec: CaptureSpec, folder, scene: Scene | None = None, names: frozenset[str] = USUAL):

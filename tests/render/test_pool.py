@@ -18,7 +18,21 @@ from supersampling.render.renderer import Renderer
 
 ROOT = Path(__file__).resolve().parents[2]
 USUAL = frozenset({"color", "motion", "jitter", "target"})
-SPEC = CaptureSpec("foundry", "train", 4, 3, 2, (192, 108), (48, 48), 4, "thesis", "matched", 2, 0, 1)
+SPEC = CaptureSpec(
+    scene="foundry",
+    split="train",
+    clips=4,
+    frames=3,
+    targets=2,
+    frame=(192, 108),
+    window=(48, 48),
+    scale=4,
+    jitter="thesis",
+    mip_bias="matched",
+    samples=2,
+    seed=0,
+    candidates=1,
+)
 COMMAND = """
 import sys
 from pathlib import Path

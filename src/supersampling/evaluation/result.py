@@ -22,7 +22,8 @@ PICTURES = ("crops", "epipolar", "state")
 
 @dataclass(frozen=True)
 class Result:
-    """Tables by frame and by clip, with the columns ``scene, clip(, frame)`` first, and pictures of each scene's first clip."""
+    """Tables by frame and by clip, with the columns ``scene, clip(, frame)`` first, and pictures of each scene's first
+    clip."""
 
     frames: pd.DataFrame
     clips: pd.DataFrame

@@ -16,7 +16,7 @@ from supersampling.evaluation.playback import (
     Playback,
     RadianceImages,
     TargetImages,
-    recorded_methods,
+    read_recorded_methods,
 )
 from supersampling.evaluation.result import Result, evaluate
 from supersampling.evaluation.score import evaluation_requires
@@ -69,7 +69,7 @@ def _test_files(cfg: DictConfig, model: Upsampler, metrics: Metrics) -> list[Pat
 def _score_recordings(experiment: Experiment, cfg: DictConfig) -> None:
     files = _test_files(cfg, Playback(cfg.task.scale, TargetImages([])), instantiate(cfg.metrics))
     sanity = score_sanity(cfg, files, experiment)
-    methods = recorded_methods(Path(cfg.capture), files) if cfg.capture else _of_folder(cfg, files)
+    methods = read_recorded_methods(Path(cfg.capture), files) if cfg.capture else _of_folder(cfg, files)
     for name, model in methods.items():
         result, _ = score_once(cfg, experiment, "job", name, model, model.recording.fingerprint, files)
         if result is None:
