@@ -1,8 +1,8 @@
 """A small world in closed form, written as a data set file with every buffer that a capture layout has.
 
-A textured plane slides over the image, a nearer textured square slides over the plane: what was covered by the square
-comes into view. Positions are target pixels, x right, y down; a surface that slides by ``v`` a frame was at ``p - v``
-before.
+A textured plane slides over the image, a nearer textured square slides over the plane: pixels behind the
+square come into view. Positions are target pixels, x right, y down; a surface that slides by ``v`` per frame was at
+``p - v`` before.
 """
 
 from pathlib import Path
@@ -18,9 +18,9 @@ PLANE, SQUARE = np.array((2.6, 1.7)), np.array((-5.2, 4.1))
 JITTER = np.array(((0.25, -0.375), (-0.4375, 0.125), (0.375, 0.4375), (-0.125, -0.25)), dtype=np.float32)
 SIDE = 26
 ALL = [
-    "color", "radiance", "depth", "motion", "motion_dual", "jitter", "normal", "material", "emission",
-    "target", "target_radiance", "high_motion", "high_material", "high_emission",
-]  # fmt: skip
+    *("color", "radiance", "depth", "motion", "motion_dual", "jitter", "normal", "material", "emission"),
+    *("target", "target_radiance", "high_motion", "high_material", "high_emission"),
+]
 
 Array = NDArray[np.float64]
 

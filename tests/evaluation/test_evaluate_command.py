@@ -10,6 +10,8 @@ from supersampling.errors import UserError
 from supersampling.training.evaluate import evaluate_command
 from supersampling.training.job import train
 
+SMOKE = ["budget=smoke", "workers=0", "trainer.enable_progress_bar=false", "baselines=[]", "budget.epochs=1"]
+
 
 @pytest.fixture
 def settings(make_file, tmp_path):
@@ -79,9 +81,7 @@ def test_sanity_rows(entry, settings, runs, capsys):
 
 
 def test_finished_job_is_scored_again_for_a_missing_metric(entry, settings, runs, tmp_path, capsys):
-    small = [
-        *settings, "budget=smoke", "workers=0", "trainer.enable_progress_bar=false", "baselines=[]", "budget.epochs=1",
-    ]  # fmt: skip
+    small = [*settings, *SMOKE]
     train(entry("train", *small, "metrics=fast"))
     (first,) = runs("job")
     (weights,) = (tmp_path / "outputs" / "checkpoints").glob("*/last.ckpt")
@@ -100,10 +100,7 @@ def test_finished_job_is_scored_again_for_a_missing_metric(entry, settings, runs
 
 
 def test_another_protocol_is_another_run_of_the_same_weights(entry, settings, runs, tmp_path):
-    small = [
-        *settings, "budget=smoke", "workers=0", "trainer.enable_progress_bar=false", "baselines=[]", "budget.epochs=1",
-        "metrics=fast",
-    ]  # fmt: skip
+    small = [*settings, *SMOKE, "metrics=fast"]
     train(entry("train", *small))
     (weights,) = (tmp_path / "outputs" / "checkpoints").glob("*/last.ckpt")
     written = weights.stat().st_mtime_ns

@@ -116,9 +116,8 @@ def test_all_values_are_written_to_files(path, tmp_path):
     assert stored.clips[["psnr", "seen"]].equals(result.clips[["psnr", "seen"]])
     assert stored.scenes["seen"].tolist() == [5.0]
     assert (tmp_path / "crops.png").stat().st_size > 0
-    assert sorted(p.name for p in (tmp_path / "crops").iterdir()) == [
-        "0_analytic.png", "0_analytic_input.png", "0_analytic_target.png",
-    ]  # fmt: skip
+    crops = ["0_analytic.png", "0_analytic_input.png", "0_analytic_target.png"]
+    assert sorted(p.name for p in (tmp_path / "crops").iterdir()) == crops
     with Image.open(tmp_path / "epipolar" / "0_analytic_target.png") as plane:
         rows = np.asarray(plane)
     target = DatasetFile(path).read("target", 0, slice(0, 5))[:, :, 24].transpose(0, 2, 1)

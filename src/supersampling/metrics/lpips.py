@@ -6,7 +6,6 @@ from collections import OrderedDict
 from functools import cache
 from typing import final
 
-import lpips
 import torch
 from torch import nn
 
@@ -25,6 +24,9 @@ def trained(network: str) -> nn.Module:
     Raises:
         UserError: the classifier's weights are not available; the message names the file and its folder.
     """
+    # Imported here because it loads torchvision, which takes seconds and is not needed to know the metric's direction.
+    import lpips
+
     with warnings.catch_warnings():
         # The package passes deprecated arguments to torchvision.
         warnings.simplefilter("ignore")
