@@ -11,7 +11,6 @@ from torch import nn
 
 from supersampling.errors import UserError
 from supersampling.metrics.base import FrameMetric, Moment
-from supersampling.ops.pretrained import load_pretrained
 
 # By the package's name: torchvision's name, and the smallest image side for which every layer has an output.
 NETWORKS = {"alex": ("alexnet", 31), "vgg": ("vgg16", 16)}
@@ -24,8 +23,10 @@ def trained(network: str) -> nn.Module:
     Raises:
         UserError: the classifier's weights are not available; the message names the file and its folder.
     """
-    # Imported here because it loads torchvision, which takes seconds and is not needed to know the metric's direction.
+    # Imported here because both load torchvision, which takes seconds and is not needed to know the metric's direction.
     import lpips
+
+    from supersampling.ops.pretrained import load_pretrained
 
     with warnings.catch_warnings():
         # The package passes deprecated arguments to torchvision.
