@@ -15,12 +15,13 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from supersampling.data.store import Store
+from supersampling.metrics.base import Moment
+from supersampling.metrics.directions import better
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.regions import Regions
 from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
-from supersampling.metrics.suite import Metric, Moment, Temporal
+from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.base import VideoMetric
 from supersampling.metrics.video.colorvideovdp import ColorVideoVdp
 from supersampling.metrics.video.static import StaticDeviation
@@ -146,8 +147,7 @@ def loss(name: str, value: float, perfect: float) -> float:
     """Convert a score to a loss: 0 for the target, larger is worse; decibels become the root mean square error."""
     if name.startswith("psnr"):
         return 10.0 ** (-value / 20.0)
-    higher = name.startswith(("ssim", "mssim", "vmaf", "cvvdp"))
-    return perfect - value if higher else value - perfect
+    return perfect - value if better(name) == "higher" else value - perfect
 
 
 def blind_to(name: str, values: dict[str, float]) -> set[str]:

@@ -17,12 +17,13 @@ from multiprocessing.pool import Pool
 import torch
 
 from supersampling.errors import UserError
+from supersampling.metrics.base import FrameMetric, Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.lpips import LPIPS
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.regions import Regions
 from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
-from supersampling.metrics.suite import Metric, Moment, Temporal
+from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.base import Scoring, VideoMetric, VideoSuite
 from supersampling.metrics.video.colorvideovdp import ColorVideoVdp
 from supersampling.metrics.video.static import StaticDeviation
@@ -30,7 +31,7 @@ from supersampling.metrics.video.strred import StRred
 from supersampling.metrics.video.vmaf import Vmaf
 from supersampling.metrics.video.warping import DualMotion, Photometric, WarpingError
 
-METRICS: dict[str, Callable[[], Metric | VideoMetric]] = {
+METRICS: dict[str, Callable[[], FrameMetric | VideoMetric]] = {
     "nothing": VideoSuite,
     "psnr": PSNR,
     "ssim": SSIM,
@@ -75,7 +76,7 @@ def clip(width: int, height: int, frames: int) -> Iterator[Moment]:
 class _Frames(Scoring):
     """A frame metric, timed as a clip metric."""
 
-    def __init__(self, metric: Metric) -> None:
+    def __init__(self, metric: FrameMetric) -> None:
         self._metric = metric
 
     def add(self, moment: Moment) -> None:

@@ -72,7 +72,7 @@ def write_table(path: Path, seed: int, quality: float) -> None:
     frames = pd.DataFrame(indices, columns=["scene", "clip", "frame"])
     for name in METRICS:
         frames[name] = quality + rng.normal(scale=0.2, size=len(frames))
-    write_scores(path, Scores.of(frames, frames.groupby(["scene", "clip"])[METRICS].mean().reset_index()))
+    write_scores(path, Scores.with_scene_means(frames, frames.groupby(["scene", "clip"])[METRICS].mean().reset_index()))
 
 
 def fabricate(folder: Path, papers: list[Paper], count: int) -> None:

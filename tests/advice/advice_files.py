@@ -18,7 +18,21 @@ def write_file(folder: Path, split: str, clips: list[Mapping[str, NDArray[np.flo
     names = list(clips[0])
     frames, height, width = next(c.shape[:3] for n, c in clips[0].items() if BUFFERS[n].resolution == "low")
     size = (width * SCALE, height * SCALE)
-    spec = CaptureSpec(scene, split, len(clips), frames, frames, size, size, SCALE, "thesis", "matched", 1, 0, 1)
+    spec = CaptureSpec(
+        scene=scene,
+        split=split,
+        clips=len(clips),
+        frames=frames,
+        targets=frames,
+        frame=size,
+        window=size,
+        scale=SCALE,
+        jitter="thesis",
+        mip_bias="matched",
+        samples=1,
+        seed=0,
+        candidates=1,
+    )
     path = folder / spec.file_name
     parts = [folder / f"{split}{k}.clip" for k in range(len(clips))]
     for part, clip in zip(parts, clips):

@@ -1,7 +1,8 @@
 """A small world in closed form, written as a data set file with every buffer that a capture layout has.
 
-A textured plane slides over the image, a nearer textured square slides over the plane: what was covered by the square comes into
-view. Positions are target pixels, x right, y down; a surface that slides by ``v`` a frame was at ``p - v`` before.
+A textured plane slides over the image, a nearer textured square slides over the plane: pixels behind the
+square come into view. Positions are target pixels, x right, y down; a surface that slides by ``v`` per frame was at
+``p - v`` before.
 """
 
 from pathlib import Path
@@ -17,9 +18,9 @@ PLANE, SQUARE = np.array((2.6, 1.7)), np.array((-5.2, 4.1))
 JITTER = np.array(((0.25, -0.375), (-0.4375, 0.125), (0.375, 0.4375), (-0.125, -0.25)), dtype=np.float32)
 SIDE = 26
 ALL = [
-    "color", "radiance", "depth", "motion", "motion_dual", "jitter", "normal", "material", "emission",
-    "target", "target_radiance", "high_motion", "high_material", "high_emission",
-]  # fmt: skip
+    *("color", "radiance", "depth", "motion", "motion_dual", "jitter", "normal", "material", "emission"),
+    *("target", "target_radiance", "high_motion", "high_material", "high_emission"),
+]
 
 Array = NDArray[np.float64]
 
@@ -33,7 +34,7 @@ def texture(x: Array, y: Array, seed: int) -> Array:
 
 
 class World:
-    """What is seen at positions ``(x, y)`` in frame ``t`` of a clip."""
+    """The visible surfaces at positions ``(x, y)`` in frame ``t`` of a clip."""
 
     def __init__(self, x: Array, y: Array, t: int, clip: int, speed: float = 1.0) -> None:
         plane, square = (v * speed for v in (PLANE, SQUARE))
@@ -60,7 +61,7 @@ def grid(width: int, height: int, step: float, offset: tuple[float, float] = (0.
 
 
 def frame(t: int, clip: int, scale: int, jitter: NDArray[np.float32], speed: float) -> dict[str, NDArray]:
-    """All buffers of one frame."""
+    """Return all buffers of one frame."""
     low = World(*grid(SIZE[0] // scale, SIZE[1] // scale, scale, tuple(jitter)), t, clip, speed)
     high = World(*grid(*SIZE, 1.0), t, clip, speed)
     fine = [World(*grid(*SIZE, 1.0, (dx, dy)), t, clip, speed) for dx in (-0.25, 0.25) for dy in (-0.25, 0.25)]
@@ -82,18 +83,32 @@ def make_source(
     names: list[str] = ALL,
     split: str = "test",
 ) -> Path:
-    """A data set file of the world."""
+    """Write a data set file of the world."""
     folder.mkdir(parents=True, exist_ok=True)
-    spec = CaptureSpec("closed/World", split, clips, frames, frames, SIZE, SIZE, scale, "none", "matched", 1, 0, 1)
+    spec = CaptureSpec(
+        scene="closed/World",
+        split=split,
+        clips=clips,
+        frames=frames,
+        targets=frames,
+        frame=SIZE,
+        window=SIZE,
+        scale=scale,
+        jitter="none",
+        mip_bias="matched",
+        samples=1,
+        seed=0,
+        candidates=1,
+    )
     parts = []
     for clip in range(clips):
         parts.append(folder / f"part{clip}.h5")
         with ClipWriter(parts[-1], dict.fromkeys(names, frames)) as writer:
             for t in range(frames):
                 offset = JITTER[(t + clip) % len(JITTER)] * jittered
-                made = frame(t, clip, scale, offset, speed)
+                buffers = frame(t, clip, scale, offset, speed)
                 for name in names:
-                    writer.add(name, made[name].astype(np.float32))
+                    writer.add(name, buffers[name].astype(np.float32))
     path = folder / spec.file_name
     join_clips(path, spec, parts, frozenset(names), {"renderer": "closed form"})
     return path

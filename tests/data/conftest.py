@@ -1,4 +1,4 @@
-"""A QRISP capture of our own world; tests of the other layouts make their own."""
+"""A QRISP capture of the test world; tests of the other layouts create theirs."""
 
 import shutil
 from pathlib import Path

@@ -14,7 +14,7 @@ SIZE, SAMPLES = 8, 16
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """An empty cache of one test's own, on disk and in memory."""
+    """An empty cache for each test, on disk and in memory."""
     monkeypatch.setenv("SUPERSAMPLING_CACHE", str(tmp_path / "cache"))
     brdf_table.cache_clear()
     yield tmp_path / "cache"
@@ -22,30 +22,30 @@ def folder(tmp_path, monkeypatch):
 
 
 def fresh() -> torch.Tensor:
-    """What another process would get."""
+    """Return the table of a new process."""
     brdf_table.cache_clear()
     return brdf_table(SIZE, SAMPLES)
 
 
-def kept(folder: Path) -> Path:
+def table_file(folder: Path) -> Path:
     return folder / f"brdf_v{VERSION}_{SIZE}_{SAMPLES}.npy"
 
 
-def test_made_once_and_written(folder):
+def test_computed_once_and_written(folder):
     table = brdf_table(SIZE, SAMPLES)
     assert torch.equal(table, integrate_table(SIZE, SAMPLES))
     assert table is brdf_table(SIZE, SAMPLES)
-    np.testing.assert_array_equal(np.load(kept(folder), allow_pickle=False), table.numpy())
-    assert os.listdir(folder) == [kept(folder).name]
+    np.testing.assert_array_equal(np.load(table_file(folder), allow_pickle=False), table.numpy())
+    assert os.listdir(folder) == [table_file(folder).name]
 
 
 def test_another_process_reads_the_file(folder):
     table = fresh()
-    np.save(kept(folder), table.numpy() * np.float32(0.5))
+    np.save(table_file(folder), table.numpy() * np.float32(0.5))
     assert torch.equal(fresh(), table * 0.5)
 
 
-def test_sizes_and_samples_have_files_of_their_own(folder):
+def test_sizes_and_samples_have_separate_files(folder):
     assert brdf_table(4, 16).shape == (2, 4, 4)
     assert not torch.equal(brdf_table(4, 8), brdf_table(4, 16))
     assert len(os.listdir(folder)) == 2
@@ -84,27 +84,27 @@ def damaged(whole: bytes, table: np.ndarray, path: Path) -> dict[str, bytes]:
     }
 
 
-def test_a_damaged_file_is_replaced(folder, tmp_path, monkeypatch):
+def test_damaged_file_is_replaced(folder, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     table = fresh()
-    whole = kept(folder).read_bytes()
+    whole = table_file(folder).read_bytes()
     for kind, content in damaged(whole, table.numpy(), tmp_path / "scratch.npy").items():
         assert content != whole, kind
-        kept(folder).write_bytes(content)
+        table_file(folder).write_bytes(content)
         assert torch.equal(fresh(), table), kind
-        assert kept(folder).read_bytes() == whole, kind
+        assert table_file(folder).read_bytes() == whole, kind
     assert not (tmp_path / "exploded").exists()
-    assert os.listdir(folder) == [kept(folder).name]
+    assert os.listdir(folder) == [table_file(folder).name]
 
 
-def test_a_folder_that_cannot_be_made(tmp_path, monkeypatch):
+def test_folder_that_cannot_be_made(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("SUPERSAMPLING_CACHE", str(tmp_path / "file" / "cache"))
     assert torch.equal(fresh(), integrate_table(SIZE, SAMPLES))
     assert (tmp_path / "file").read_text() == "in the way"
 
 
-def test_a_disk_that_fills_up_leaves_nothing_behind(folder, monkeypatch):
+def test_full_disk_leaves_no_file(folder, monkeypatch):
     def full(file, *_, **__):
         file.write(b"a few bytes")
         raise OSError(28, "No space left on device")
@@ -114,7 +114,7 @@ def test_a_disk_that_fills_up_leaves_nothing_behind(folder, monkeypatch):
     assert os.listdir(folder) == []
 
 
-def test_where_the_folder_is(monkeypatch, tmp_path):
+def test_location_of_cache_folder(monkeypatch, tmp_path):
     assert cache_folder() == tmp_path / "cache"
     monkeypatch.setenv("SUPERSAMPLING_CACHE", "")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
@@ -124,7 +124,7 @@ def test_where_the_folder_is(monkeypatch, tmp_path):
     assert cache_folder() == tmp_path / "home" / ".cache" / "supersampling"
 
 
-def test_a_user_without_a_home(monkeypatch):
+def test_user_without_home(monkeypatch):
     def none():
         raise RuntimeError("Could not determine home directory.")
 
@@ -135,7 +135,7 @@ def test_a_user_without_a_home(monkeypatch):
 
 
 @pytest.mark.parametrize("from_file", [False, True])
-def test_a_table_first_asked_for_in_validation_serves_training(from_file):
+def test_table_created_in_validation_works_in_training(from_file):
     if from_file:
         fresh()
     with torch.inference_mode():

@@ -14,7 +14,7 @@ UNIFORM = Uniform()
 ALL = frozenset({"color", "depth", "motion", "jitter"})
 
 
-def test_items_have_the_cut_and_depend_on_their_index_alone(make_file, tmp_path):
+def test_items_have_the_shape_of_the_cut_and_depend_on_their_index_only(make_file, tmp_path):
     path = make_file(tmp_path)
     data = WindowDataset([path], Cut(crop=32, frames=6, targets=3), ALL, UNIFORM, PLAIN, seed=1)
     item = data[17]
@@ -27,7 +27,7 @@ def test_items_have_the_cut_and_depend_on_their_index_alone(make_file, tmp_path)
         assert torch.equal(value, again[name])
 
 
-def test_a_name_says_where_an_item_is_from(make_file, tmp_path):
+def test_name_states_file_clip_and_window(make_file, tmp_path):
     path = make_file(tmp_path, clips=3)
     data = WindowDataset([path], Cut(crop=32, frames=2, targets=2), ALL, UNIFORM, PLAIN, seed=1)
     whole = WholeClips([path], ALL)
@@ -40,18 +40,18 @@ def test_a_name_says_where_an_item_is_from(make_file, tmp_path):
         assert torch.equal(data[index]["color"], color)
 
 
-def test_clips_in_memory_and_clips_on_disk_are_the_same(make_file, tmp_path):
+def test_clips_in_memory_equal_clips_on_disk(make_file, tmp_path):
     path = make_file(tmp_path, clips=3)
     in_memory, on_disk = (
-        WindowDataset([path], Cut(crop=32, frames=5, targets=3), ALL, UNIFORM, PLAIN, seed=1, held=held)
-        for held in (1 << 30, 0)
+        WindowDataset([path], Cut(crop=32, frames=5, targets=3), ALL, UNIFORM, PLAIN, seed=1, memory_limit=limit)
+        for limit in (1 << 30, 0)
     )
     for index in range(4):
         for name, value in on_disk[index].items():
             assert torch.equal(value, in_memory[index][name])
 
 
-def test_input_and_target_windows_show_the_same_place(make_file, tmp_path):
+def test_input_and_target_windows_match(make_file, tmp_path):
     """A still pattern: the low sample at jitter j is the target's pixel at floor((j + 0.5) * scale), nearly."""
     data = WindowDataset([make_file(tmp_path)], Cut(crop=32, frames=1, targets=1), ALL, UNIFORM, PLAIN, seed=0)
     for index in range(5):
@@ -61,12 +61,12 @@ def test_input_and_target_windows_show_the_same_place(make_file, tmp_path):
         assert (item["color"][0] - expected).abs().max() <= 1.01 / 255
 
 
-def test_only_what_is_required_is_read(make_file, tmp_path):
+def test_only_required_buffers_are_read(make_file, tmp_path):
     data = WindowDataset([make_file(tmp_path)], Cut(32, 4, 2), frozenset({"color"}), UNIFORM, PLAIN, seed=0)
     assert set(data[0]) == {"color", "target"}
 
 
-def test_a_cut_that_does_not_fit_says_so(make_file, tmp_path):
+def test_cut_larger_than_clips_is_an_error(make_file, tmp_path):
     path = make_file(tmp_path)
     with pytest.raises(UserError, match="budget.crop=64"):
         WindowDataset([path], Cut(64, 4, 2), ALL, UNIFORM, PLAIN, seed=0)
@@ -74,7 +74,7 @@ def test_a_cut_that_does_not_fit_says_so(make_file, tmp_path):
         WindowDataset([path], Cut(32, 9, 2), ALL, UNIFORM, PLAIN, seed=0)
 
 
-def test_no_epoch_repeats_an_index():
+def test_no_epoch_repeats_index():
     sampler = FreshIndices(5)
     seen = []
     for epoch in range(3):

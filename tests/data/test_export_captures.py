@@ -1,13 +1,13 @@
-"""Exports that cannot be."""
+"""Exports that are errors."""
 
 import numpy as np
 import pytest
 from capture_files import ALL, make_source
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.source import check_exportable
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.data.writer import ClipWriter, join_clips
 from supersampling.errors import UserError
 
@@ -18,27 +18,27 @@ def source(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    ("layout", "lost", "told"),
+    ("layout", "lost", "message"),
     [
-        ("qrisp", "depth", r"lacks depth, .*buffers=\[color,depth,jitter,motion,target\]"),
-        ("nsrd", "motion_dual", "lacks motion_dual"),
-        ("arm", "high_motion", "lacks high_motion"),
+        ("qrisp", "depth", r"has no depth, .*buffers=\[color,depth,jitter,motion,target\]"),
+        ("nsrd", "motion_dual", "has no motion_dual"),
+        ("arm", "high_motion", "has no high_motion"),
     ],
 )
-def test_a_missing_buffer_is_named_with_the_setting_that_adds_it(tmp_path, layout, lost, told):
+def test_missing_buffer_is_named_with_the_setting_that_adds_it(tmp_path, layout, lost, message):
     file = make_source(tmp_path / "source", clips=1, frames=2, names=[n for n in ALL if n != lost])
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         export(layout, file, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
-def test_jittered_inputs_have_no_place_in_nsrd(source, tmp_path):
+def test_jittered_inputs_cannot_be_exported_to_nsrd(source, tmp_path):
     with pytest.raises(UserError, match=r"task\.jitter=none"):
         export("nsrd", source, tmp_path / "out")
     assert not list((tmp_path / "out").iterdir())
 
 
-def test_a_folder_that_holds_something_is_left_alone(source, tmp_path):
+def test_non_empty_folder_is_not_changed(source, tmp_path):
     (tmp_path / "mine.txt").write_text("keep")
     with pytest.raises(UserError, match="is not empty"):
         export("qrisp", source, tmp_path)
@@ -46,7 +46,7 @@ def test_a_folder_that_holds_something_is_left_alone(source, tmp_path):
 
 
 def test_unknown_layout_and_scale(source, tmp_path):
-    with pytest.raises(UserError, match="'unity'"):
+    with pytest.raises(UserError, match="layout unity"):
         export("unity", source, tmp_path / "out")
     six = make_source(tmp_path / "six", clips=1, frames=2, scale=8)
     with pytest.raises(UserError, match="scale of 8"):
@@ -54,9 +54,23 @@ def test_unknown_layout_and_scale(source, tmp_path):
 
 
 def test_targets_of_some_frames_only(tmp_path):
-    spec = CaptureSpec("a", "train", 1, 3, 1, (8, 8), (8, 8), 2, "none", "matched", 1, 0, 1)
+    spec = CaptureSpec(
+        scene="a",
+        split="train",
+        clips=1,
+        frames=3,
+        targets=1,
+        frame=(8, 8),
+        window=(8, 8),
+        scale=2,
+        jitter="none",
+        mip_bias="matched",
+        samples=1,
+        seed=0,
+        candidates=1,
+    )
     with ClipWriter(tmp_path / "0.h5", {"target": 1}) as writer:
         writer.add("target", np.zeros((8, 8, 3), "float32"))
     join_clips(tmp_path / "all.h5", spec, [tmp_path / "0.h5"], frozenset({"target"}), {})
     with pytest.raises(UserError, match=r"data\.train\.targets=3"):
-        check_exportable(Store(tmp_path / "all.h5"), frozenset({"target"}), "qrisp")
+        check_exportable(DatasetFile(tmp_path / "all.h5"), frozenset({"target"}), "qrisp")

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from supersampling.data.pick import MostEdges, Place, Uniform, motion_edges
+from supersampling.data.pick import ClipWindow, MostEdges, Uniform, motion_edges
 from supersampling.errors import UserError
 
-PLACES = [Place(0, clip, 8, 0, 0) for clip in range(6)]
+PLACES = [ClipWindow(file=0, clip=clip, stop=8, x=0, y=0) for clip in range(6)]
 
 
 def motion(place):
@@ -19,18 +19,18 @@ def proposals():
     return lambda: next(places)
 
 
-def test_edges_are_counted_where_neighbours_part():
+def test_edges_are_counted_where_neighbours_differ():
     # One of the five steps along x in every row of one of the two frames; none of those along y.
     assert motion_edges(motion(PLACES[3])) == pytest.approx((0.5 / 5 + 0.0) / 2)
     assert motion_edges(motion(PLACES[4])) == 0.0  # 0.4 pixels are no edge
 
 
-def test_the_first_or_the_one_with_most_edges():
+def test_first_proposal_or_most_edges():
     assert Uniform()(proposals(), motion) == PLACES[0]
     assert MostEdges(6)(proposals(), motion) == PLACES[3]
     assert MostEdges(3)(proposals(), motion) == PLACES[0]  # all alike
 
 
-def test_a_look_at_nothing_is_refused():
-    with pytest.raises(UserError, match="pick.looks must be at least 1, got 0"):
+def test_zero_looks_is_error():
+    with pytest.raises(UserError, match="pick.looks=0: use at least 1"):
         MostEdges(0)

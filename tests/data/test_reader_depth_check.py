@@ -19,9 +19,9 @@ class Rendered:
     size: tuple[int, int] = SIZE
 
     def read(self, t, names):
-        made = frame(t, 0, 2, JITTER[t % len(JITTER)], 1.0)
-        made["depth"] = self.curve(made["depth"])
-        return {name: made[name].astype(np.float32) for name in names}
+        buffers = frame(t, 0, 2, JITTER[t % len(JITTER)], 1.0)
+        buffers["depth"] = self.curve(buffers["depth"])
+        return {name: buffers[name].astype(np.float32) for name in names}
 
 
 def pairs(curve):
@@ -33,7 +33,7 @@ def hyperbolic(depth):
 
 
 @pytest.mark.parametrize("curve", [lambda d: d, hyperbolic])
-def test_what_comes_into_view_was_behind_something_nearer(curve):
+def test_disoccluded_pixels_were_behind_nearer_surfaces(curve):
     nearer, farther = uncovered(pairs(curve))
     assert nearer > 50
     assert farther < nearer / 10
@@ -46,9 +46,9 @@ def test_reversed_depth_of_any_curve(curve):
         check_depth("here", pairs(curve), False)
 
 
-def test_the_user_knows_better():
+def test_user_setting_overrides_the_check():
     assert "0 pixels came into view" in check_depth("here", pairs(lambda d: 1.0 - d), True)
 
 
 def test_still_frames_prove_nothing():
-    assert "too little" in check_depth("here", [Pair(p.clip, p.t, 0.0) for p in pairs(lambda d: d)], False)
+    assert "too few" in check_depth("here", [Pair(p.clip, p.t, 0.0) for p in pairs(lambda d: d)], False)

@@ -28,7 +28,7 @@ def test_exr_round_trip_by_channel_name(tmp_path, values, half):
     assert exr_size(tmp_path / "a.exr") == SIZE
 
 
-def test_channels_of_a_layer(tmp_path, values):
+def test_channels_of_layer(tmp_path, values):
     channels = {f"View.{c}": np.ascontiguousarray(values[..., k]) for k, c in enumerate("RGB")}
     OpenEXR.File({"type": OpenEXR.scanlineimage}, channels).write(str(tmp_path / "a.exr"))
     np.testing.assert_array_equal(read_exr(tmp_path / "a.exr", SIZE, ("RGB",)), values)
@@ -41,7 +41,7 @@ def test_png_round_trip(tmp_path, values):
 
 
 @pytest.mark.parametrize("kind", ["png", "exr"])
-def test_every_truncation_is_told(tmp_path, values, kind):
+def test_every_truncation_is_error(tmp_path, values, kind):
     write = {"png": write_png, "exr": lambda p, v: write_exr(p, v, "RGB")}[kind]
     read = {"png": lambda p: read_png(p, SIZE, 3), "exr": lambda p: read_exr(p, SIZE, ("RGB",))}[kind]
     whole, cut = tmp_path / f"whole.{kind}", tmp_path / f"cut.{kind}"
@@ -64,7 +64,7 @@ def header_only_png(width, height):
 
 
 @pytest.mark.parametrize("size", [(5000, 5000), (60000, 60000)])
-def test_an_image_that_promises_too_much_is_not_decoded(tmp_path, size):
+def test_png_with_oversized_header_is_not_decoded(tmp_path, size):
     (tmp_path / "bomb.png").write_bytes(header_only_png(*size))
     with pytest.raises(UserError, match="bomb.png"):
         png_size(tmp_path / "bomb.png")
@@ -72,7 +72,7 @@ def test_an_image_that_promises_too_much_is_not_decoded(tmp_path, size):
         read_png(tmp_path / "bomb.png", size, 3)
 
 
-def test_an_exr_that_promises_too_much_is_not_decoded(tmp_path, values):
+def test_exr_with_oversized_header_is_not_decoded(tmp_path, values):
     write_exr(tmp_path / "a.exr", values, "RGB")
     data = (tmp_path / "a.exr").read_bytes()
     window = struct.pack("<iiii", 0, 0, 39, 23)
@@ -83,13 +83,13 @@ def test_an_exr_that_promises_too_much_is_not_decoded(tmp_path, values):
 
 
 @pytest.mark.parametrize("mode", ["L", "I;16", "P", "LA"])
-def test_other_kinds_of_png(tmp_path, mode):
+def test_unsupported_png_modes_are_errors(tmp_path, mode):
     Image.new(mode, SIZE).save(tmp_path / "a.png")
-    with pytest.raises(UserError, match="a.png is an image of kind"):
+    with pytest.raises(UserError, match="a.png is an image of type"):
         read_png(tmp_path / "a.png", SIZE, 3)
 
 
-def test_another_format_under_the_name_of_png(tmp_path):
+def test_other_format_with_png_suffix(tmp_path):
     Image.new("RGB", SIZE).save(tmp_path / "a.png", format="BMP")
     with pytest.raises(UserError, match="not a readable PNG"):
         read_png(tmp_path / "a.png", SIZE, 3)

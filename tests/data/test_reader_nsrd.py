@@ -8,10 +8,10 @@ import OpenEXR
 import pytest
 from capture_files import PLANE, SIZE, World, grid, make_source
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.images import write_exr
 from supersampling.data.readers.importing import import_capture
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 
 
@@ -37,7 +37,7 @@ def planes(path, names):
 def test_round_trip(written, tmp_path):
     source, capture = written
     (path,) = import_capture("nsrd", capture, tmp_path, scale=2)
-    before, after = Store(source), Store(path)
+    before, after = DatasetFile(source), DatasetFile(path)
     assert (after.spec.scene, after.spec.split, after.spec.clips) == ("nsrd/capture", "train", 2)
     for clip in range(2):
         old = {name: before.read(name, clip, slice(None)) for name in before.buffers}
@@ -54,7 +54,7 @@ def test_round_trip(written, tmp_path):
 def test_inputs_are_the_lighting(written, tmp_path):
     """radiance / material is the world's lighting, whatever the material was."""
     (path,) = import_capture("nsrd", written[1], tmp_path, scale=2)
-    store = Store(path)
+    store = DatasetFile(path)
     assert store.attributes["demodulated"].startswith("yes")
     assert (store.read("material", 1, slice(None)) == 1.0).all()
     assert not store.read("emission", 1, slice(None)).any()
@@ -63,7 +63,7 @@ def test_inputs_are_the_lighting(written, tmp_path):
     np.testing.assert_allclose(radiance[12:], lit[12:], rtol=5e-3)  # the corner above emits
 
 
-def test_stored_numbers_are_the_released_code_s(written):
+def test_stored_numbers_match_the_released_code(written):
     """Previous position is position - MV, y down; frames are numbered without padding."""
     _, capture = written
     motion = planes(capture / "train/X2/1/MV/4.exr", "RG")
@@ -77,16 +77,16 @@ def test_stored_numbers_are_the_released_code_s(written):
 
 
 @pytest.mark.parametrize(("unit", "largest"), [(37.0, 100.0), (1000.0, 1000.0)])
-def test_depth_in_another_unit_is_divided_by_a_power_of_ten(written, capture, tmp_path, unit, largest):
+def test_depth_in_unknown_unit_is_divided_by_a_power_of_ten(written, capture, tmp_path, unit, largest):
     for path in capture.rglob("Depth/*.exr"):
         write_exr(path, planes(path, "R") * np.float32(unit), "R", half=False)
     (path,) = import_capture("nsrd", capture, tmp_path / "out", scale=2)
-    want = Store(written[0]).read("depth", 1, slice(None)) * unit / largest
-    np.testing.assert_allclose(Store(path).read("depth", 1, slice(None)), want, rtol=1e-6)
-    assert Store(path).attributes["depth_unit"] == f"captured depth / {largest:g}"
+    expected = DatasetFile(written[0]).read("depth", 1, slice(None)) * unit / largest
+    np.testing.assert_allclose(DatasetFile(path).read("depth", 1, slice(None)), expected, rtol=1e-6)
+    assert DatasetFile(path).attributes["depth_unit"] == f"captured depth / {largest:g}"
 
 
-def test_y_up_is_told(capture, tmp_path):
+def test_y_up_is_error(capture, tmp_path):
     for kind in ("MV", "OCMV"):
         for path in capture.rglob(f"{kind}/*.exr"):
             write_exr(path, planes(path, "RG") * np.array((1.0, -1.0)), "RG", half=False)
@@ -102,18 +102,18 @@ def poison(path):
 
 
 @pytest.mark.parametrize(
-    ("harm", "told"),
+    ("harm", "message"),
     [
-        (lambda c: poison(c / "train/X2/0/Irradiance/2.exr"), "2.exr holds 1 values that are NaN or Inf"),
-        (lambda c: shutil.rmtree(c / "train/GT/0/BRDF"), "BRDF holds no frames"),
+        (lambda c: poison(c / "train/X2/0/Irradiance/2.exr"), "2.exr has 1 values that are NaN or Inf"),
+        (lambda c: shutil.rmtree(c / "train/GT/0/BRDF"), "BRDF has no frames"),
         (lambda c: (c / "train/GT/0/View_PNG/3.png").unlink(), "3.png is missing"),
         (lambda c: shutil.copy(c / "train/X2/0/MV/3.exr", c / "train/X2/0/MV/03.exr"), "are the same frame"),
-        (lambda c: shutil.rmtree(c / "train/X2/0"), "Irradiance holds no frames"),
+        (lambda c: shutil.rmtree(c / "train/X2/0"), "Irradiance has no frames"),
         (lambda c: shutil.rmtree(c / "train/X2"), "no clips in the layout"),
     ],
 )
-def test_a_broken_capture_is_told(capture, tmp_path, harm, told):
+def test_broken_capture_is_error(capture, tmp_path, harm, message):
     harm(capture)
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         import_capture("nsrd", capture, tmp_path / "out", scale=2)
     assert not list((tmp_path / "out").glob("*.h5"))

@@ -1,4 +1,4 @@
-"""An import that is killed loses nothing but the clip that it was at."""
+"""An import that is killed loses only the clip in progress."""
 
 import multiprocessing
 import os
@@ -9,9 +9,9 @@ import time
 import pytest
 from capture_files import make_source
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.readers.importing import import_capture
-from supersampling.data.store import Store
 
 CLIPS = 6
 
@@ -23,7 +23,7 @@ def capture(tmp_path_factory):
 
 
 def start(capture, out):
-    """An import in a process of its own; forked, since starting an interpreter takes longer than the import."""
+    """Import in a separate process; it is forked, since starting an interpreter takes longer than the import."""
     process = multiprocessing.get_context("fork").Process(
         target=import_capture, args=("qrisp", capture, out), kwargs={"scale": 2}
     )
@@ -35,10 +35,10 @@ def finished(out):
     return {p.name: p.read_bytes() for p in out.glob("*.clips/*.h5")}
 
 
-def test_killed_three_times_and_equal_to_an_undisturbed_import(capture, tmp_path):
+def test_import_killed_three_times_equals_undisturbed_import(capture, tmp_path):
     (whole,) = import_capture("qrisp", capture, tmp_path / "whole", scale=2)
     out, rng = tmp_path / "killed", random.Random(7)
-    kept: dict[str, bytes] = {}
+    finished: dict[str, bytes] = {}
     for clips in (1, 3, 4):
         process = start(capture, out)
         while len(finished(out)) < clips and process.is_alive():
@@ -48,16 +48,16 @@ def test_killed_three_times_and_equal_to_an_undisturbed_import(capture, tmp_path
         process.join()
         assert not list(out.glob("*.h5")), "killed too late to prove anything"
         now = finished(out)
-        assert now.items() >= kept.items()
-        kept = now
-    assert len(kept) >= 4
+        assert now.items() >= finished.items()
+        finished = now
+    assert len(finished) >= 4
     (resumed,) = import_capture("qrisp", capture, out, scale=2)
     assert resumed.name == whole.name
     assert resumed.read_bytes() == whole.read_bytes()
     assert [p.name for p in out.iterdir() if not p.name.startswith(".")] == [whole.name]
 
 
-def test_three_processes_share_an_import(capture, tmp_path):
+def test_three_processes_share_import(capture, tmp_path):
     (whole,) = import_capture("qrisp", capture, tmp_path / "whole", scale=2)
     out = tmp_path / "shared"
     processes = [start(capture, out) for _ in range(3)]
@@ -68,9 +68,9 @@ def test_three_processes_share_an_import(capture, tmp_path):
     assert not list(out.glob("*.clips"))
 
 
-def test_a_finished_import_is_left_alone(capture, tmp_path):
+def test_finished_import_is_not_repeated(capture, tmp_path):
     (first,) = import_capture("qrisp", capture, tmp_path, scale=2)
-    made = first.stat().st_mtime_ns
+    modified = first.stat().st_mtime_ns
     assert import_capture("qrisp", capture, tmp_path, scale=2) == [first]
-    assert first.stat().st_mtime_ns == made
-    assert Store(first).spec.clips == CLIPS
+    assert first.stat().st_mtime_ns == modified
+    assert DatasetFile(first).spec.clips == CLIPS

@@ -1,15 +1,29 @@
-"""Clips join into files that hold what was written, grow by buffers, and are never half there."""
+"""Clips join into complete files that hold the written buffers, and buffers can be added later."""
 
 import h5py
 import numpy as np
 import pytest
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.data.writer import ClipWriter, buffers_in, join_clips, quantise
 from supersampling.frames import BUFFERS
 
-SPEC = CaptureSpec("made", "test", 2, 3, 2, (96, 64), (96, 64), 2, "none", "matched", 1, 0, 1)
+SPEC = CaptureSpec(
+    scene="made",
+    split="test",
+    clips=2,
+    frames=3,
+    targets=2,
+    frame=(96, 64),
+    window=(96, 64),
+    scale=2,
+    jitter="none",
+    mip_bias="matched",
+    samples=1,
+    seed=0,
+    candidates=1,
+)
 NAMES = ("color", "radiance", "motion", "object_id", "jitter", "target", "high_depth")
 
 
@@ -31,19 +45,19 @@ def write(path, clip: int, names) -> None:
                 writer.add(name, frame(name, clip, t))
 
 
-def make(folder, *groups) -> Store:
-    """A file to which each group of buffers was added in turn."""
+def make(folder, *groups) -> DatasetFile:
+    """Return a file to which groups of buffers were added one after another."""
     folder.mkdir(exist_ok=True)
     for names in groups:
         parts = [folder / f"{clip}_{len(names)}.clip" for clip in range(SPEC.clips)]
         for clip, part in enumerate(parts):
             write(part, clip, names)
         join_clips(folder / "made.h5", SPEC, parts, frozenset(names), {"renderer": "none"})
-    return Store(folder / "made.h5")
+    return DatasetFile(folder / "made.h5")
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_what_was_written_is_read(name, tmp_path):
+def test_written_buffers_are_read_back(name, tmp_path):
     store = make(tmp_path, NAMES)
     high = BUFFERS[name].resolution == "high"
     read = store.read(name, 1, slice(SPEC.frames - SPEC.targets if high else 0, None))
@@ -55,7 +69,7 @@ def test_what_was_written_is_read(name, tmp_path):
     np.testing.assert_allclose(read, expected, rtol=0, atol=step * 1.001)
 
 
-def test_buffers_that_join_later_leave_the_others_and_their_fingerprint_alone(tmp_path):
+def test_buffers_added_later_do_not_change_existing_ones(tmp_path):
     once = make(tmp_path / "once", NAMES)
     twice = make(tmp_path / "twice", NAMES[:3], NAMES[3:])
     assert twice.buffers == frozenset(NAMES)
@@ -76,7 +90,7 @@ def test_one_changed_value_changes_the_fingerprint(tmp_path, monkeypatch):
     assert before.fingerprint(["target"]) == after.fingerprint(["target"])  # has two frames only
 
 
-def test_an_error_in_the_middle_of_a_clip_leaves_nothing(tmp_path):
+def test_error_within_a_clip_leaves_no_file(tmp_path):
     def one_frame_then_stop() -> None:
         with ClipWriter(tmp_path / "0.h5", {"color": 3}) as writer:
             writer.add("color", frame("color", 0, 0))
@@ -88,7 +102,7 @@ def test_an_error_in_the_middle_of_a_clip_leaves_nothing(tmp_path):
     assert buffers_in(tmp_path / "0.h5") == frozenset()
 
 
-def test_half_floats_are_cut_at_their_largest_number_and_stay_finite():
+def test_half_floats_are_clamped_and_stay_finite():
     values = np.array([0.0, 6e-8, 65504.0, 1e9, -1e9], dtype=np.float32)
     stored = quantise("radiance", values)
     assert stored.dtype == np.float16

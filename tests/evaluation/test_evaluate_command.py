@@ -1,4 +1,4 @@
-"""``evaluate.py`` and scoring again, on analytic clips and an MLflow store of the test's own."""
+"""``evaluate.py`` and scoring again, on analytic clips and an MLflow store for each test."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,10 @@ from mlflow.tracking import MlflowClient
 
 from supersampling.commands.evaluate import evaluate
 from supersampling.commands.train import train
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
+
+SMOKE = ["budget=smoke", "workers=0", "trainer.enable_progress_bar=false", "baselines=[]", "budget.epochs=1"]
 
 
 @pytest.fixture
@@ -30,9 +32,9 @@ def runs(tmp_path):
 
 @pytest.fixture
 def frames(settings, tmp_path):
-    """What another program made of the test clips: half as bright as the targets."""
+    """The output of another program for the test clips: half as bright as the targets."""
     path = settings[-1].partition("=[")[2][:-1]
-    store = Store(path)
+    store = DatasetFile(path)
     for clip in range(store.clips):
         folder = tmp_path / "other" / str(clip)
         folder.mkdir(parents=True)
@@ -41,12 +43,12 @@ def frames(settings, tmp_path):
     return tmp_path / "other"
 
 
-def test_frames_of_another_program_become_a_baseline_once(entry, settings, runs, frames, capsys):
-    given = [*settings, f"frames={frames}", "name=theirs", "metrics=fast"]
-    evaluate(entry("evaluate", *given))
+def test_frames_of_another_program_become_baseline_once(entry, settings, runs, frames, capsys):
+    overrides = [*settings, f"frames={frames}", "name=theirs", "metrics=fast"]
+    evaluate(entry("evaluate", *overrides))
     (run,) = runs("job")
     assert run.data.tags["ss.method"] == "theirs"
-    store = Store(settings[-1].partition("=[")[2][:-1])
+    store = DatasetFile(settings[-1].partition("=[")[2][:-1])
     values = []
     for clip in range(store.clips):
         target = store.read("target", clip, slice(None)).astype(np.float64)
@@ -55,7 +57,7 @@ def test_frames_of_another_program_become_a_baseline_once(entry, settings, runs,
     assert run.data.metrics["test/psnr"] == pytest.approx(np.mean(values), abs=1e-3)
     assert run.data.params["protocol"] == "continuous"
     capsys.readouterr()
-    evaluate(entry("evaluate", *given))
+    evaluate(entry("evaluate", *overrides))
     assert "theirs: scored before" in capsys.readouterr().out
     assert len(runs("job")) == 1
 
@@ -72,16 +74,14 @@ def test_sanity_rows(entry, settings, runs, capsys):
     assert reference["test/warping_error_photometric_ratio"] == 1.0
     (run,) = runs("evaluation")
     assert raw["test/psnr"] < run.data.metrics["test/psnr"] < 100.0
-    said = capsys.readouterr().out
-    assert "raw input" in said
-    assert "reference" in said
+    printed = capsys.readouterr().out
+    assert "raw input" in printed
+    assert "reference" in printed
     assert "evaluate" not in {run.data.tags["ss.kind"] for run in runs("job")}
 
 
-def test_a_finished_job_is_scored_again_for_a_metric_that_it_lacks(entry, settings, runs, tmp_path, capsys):
-    small = [
-        *settings, "budget=smoke", "workers=0", "trainer.enable_progress_bar=false", "baselines=[]", "budget.epochs=1",
-    ]  # fmt: skip
+def test_finished_job_is_scored_again_for_a_missing_metric(entry, settings, runs, tmp_path, capsys):
+    small = [*settings, *SMOKE]
     train(entry("train", *small, "metrics=fast"))
     (first,) = runs("job")
     (weights,) = (tmp_path / "outputs" / "checkpoints").glob("*/last.ckpt")
@@ -100,10 +100,7 @@ def test_a_finished_job_is_scored_again_for_a_metric_that_it_lacks(entry, settin
 
 
 def test_another_protocol_is_another_run_of_the_same_weights(entry, settings, runs, tmp_path):
-    small = [
-        *settings, "budget=smoke", "workers=0", "trainer.enable_progress_bar=false", "baselines=[]", "budget.epochs=1",
-        "metrics=fast",
-    ]  # fmt: skip
+    small = [*settings, *SMOKE, "metrics=fast"]
     train(entry("train", *small))
     (weights,) = (tmp_path / "outputs" / "checkpoints").glob("*/last.ckpt")
     written = weights.stat().st_mtime_ns

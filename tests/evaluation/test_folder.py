@@ -1,26 +1,26 @@
-"""Folders of frames: where they are found, and every way in which one can be wrong."""
+"""Folders of frames: where they may be, and every kind of invalid folder."""
 
 import numpy as np
 import OpenEXR
 import pytest
 from image_files import write_png
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.readers.images import read_display_png
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.evaluation.folder import clip_files
-from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, Targets
+from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, TargetImages
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.result import evaluate
-from supersampling.metrics.chosen import Metrics
 from supersampling.metrics.prepare import Continuous
+from supersampling.metrics.selection import Metrics
 from supersampling.metrics.still import PSNR
 
 SIZE = 48
 
 
 def targets(path, clip):
-    store = Store(path)
+    store = DatasetFile(path)
     return store.read("target", clip, slice(None)).transpose(0, 2, 3, 1)
 
 
@@ -46,7 +46,7 @@ def psnr(path, suffix, recording, folder):
     return evaluate(model, Metrics([PSNR()]), Protocol(Continuous()), [path]).frames["psnr"]
 
 
-def test_frames_of_a_single_clip_lie_in_the_folder_itself(single, folder):
+def test_frames_of_single_clip_in_the_folder_itself(single, folder):
     assert (psnr(single, ".png", DisplayImages, folder) == 100.0).all()
 
 
@@ -57,18 +57,18 @@ def test_numbers_may_begin_anywhere(single, tmp_path, first):
 
 
 @pytest.mark.parametrize("place", ["analytic/{}", "{}"])
-def test_several_clips_lie_in_folders_of_their_own(make_file, tmp_path, place):
+def test_several_clips_in_separate_folders(make_file, tmp_path, place):
     path = make_file(tmp_path, "test", clips=2, frames=3)
     for clip in range(2):
         write_clip(tmp_path / "fsr" / place.format(clip), targets(path, clip))
     assert (psnr(path, ".png", DisplayImages, tmp_path / "fsr") == 100.0).all()
 
 
-def test_black_frames_are_frames_like_others(single, tmp_path):
+def test_black_frames_count(single, tmp_path):
     images = targets(single, 0)
     folder = write_clip(tmp_path / "black", np.zeros_like(images))
-    wanted = [-10 * np.log10(np.square(image.astype(np.float64)).mean()) for image in images]
-    assert psnr(single, ".png", DisplayImages, folder).tolist() == pytest.approx(wanted, abs=1e-4)
+    expected = [-10 * np.log10(np.square(image.astype(np.float64)).mean()) for image in images]
+    assert psnr(single, ".png", DisplayImages, folder).tolist() == pytest.approx(expected, abs=1e-4)
 
 
 def test_sixteen_bits_are_read_as_sixteen(single, tmp_path):
@@ -79,14 +79,14 @@ def test_sixteen_bits_are_read_as_sixteen(single, tmp_path):
     np.testing.assert_allclose(read, values / 65535.0, atol=1e-7)
 
 
-def test_an_opaque_alpha_channel_is_dropped_and_a_clear_one_told(tmp_path):
+def test_opaque_alpha_is_dropped_and_transparent_alpha_is_an_error(tmp_path):
     image = np.full((4, 6, 4), 255, dtype=np.uint8)
     image[..., :3] = 51
     write_png(tmp_path / "opaque.png", image)
     np.testing.assert_allclose(read_display_png(tmp_path / "opaque.png", (6, 4)), 0.2, atol=1e-7)
     image[1, 2:4, 3] = 254
     write_png(tmp_path / "clear.png", image)
-    with pytest.raises(UserError, match=r"clear\.png has 2 pixels that are not opaque"):
+    with pytest.raises(UserError, match=r"clear\.png has 2 transparent pixels"):
         read_display_png(tmp_path / "clear.png", (6, 4))
 
 
@@ -101,36 +101,32 @@ def test_radiance_is_shown_by_the_renderers_tone_map(single, tmp_path):
     x = 0.18
     curve = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
     shown = 1.055 * curve ** (1 / 2.4) - 0.055
-    wanted = [-10 * np.log10(np.square(image.astype(np.float64) - shown).mean()) for image in targets(single, 0)]
-    assert psnr(single, ".exr", RadianceImages, folder).tolist() == pytest.approx(wanted, abs=1e-3)
+    expected = [-10 * np.log10(np.square(image.astype(np.float64) - shown).mean()) for image in targets(single, 0)]
+    assert psnr(single, ".exr", RadianceImages, folder).tolist() == pytest.approx(expected, abs=1e-3)
 
 
-def test_the_targets_themselves_are_perfect(single):
-    result = evaluate(Playback(4, Targets([single])), Metrics([PSNR()]), Protocol(Continuous()), [single])
+def test_targets_themselves_are_perfect(single):
+    result = evaluate(Playback(4, TargetImages([single])), Metrics([PSNR()]), Protocol(Continuous()), [single])
     assert (result.frames["psnr"] == 100.0).all()
 
 
-def broken(change):
-    return pytest.param(change, id=change.__name__)
-
-
-def nothing_there(folder):
+def no_frames(folder):
     for file in folder.iterdir():
         file.unlink()
-    return "no frames of clip 0 of analytic"
+    return "Clip 0 of analytic has no frames"
 
 
-def a_frame_is_missing(folder):
+def missing_frame(folder):
     (folder / "shot_001.png").unlink()
-    return "lacks frame 1 of 0 to 2"
+    return "has no frame 1 of 0 to 2"
 
 
-def the_last_is_missing(folder):
+def missing_last_frame(folder):
     (folder / "shot_002.png").unlink()
-    return "holds 2 frames, its clip 3"
+    return "has 2 frames, but the clip has 3"
 
 
-def the_same_frame_twice(folder):
+def duplicate_frame(folder):
     (folder / "shot_1.png").write_bytes((folder / "shot_001.png").read_bytes())
     return r"shot_1\.png and shot_001\.png are the same frame"
 
@@ -140,27 +136,27 @@ def no_number(folder):
     return r"last\.png has no number"
 
 
-def hdr_where_display_was_promised(folder):
+def hdr_instead_of_display(folder):
     (folder / "shot_002.png").rename(folder / "shot_002.exr")
-    return r"shot_002\.exr is no \.png image.*space=radiance"
+    return r"shot_002\.exr is not a \.png image.*space=radiance"
 
 
-def a_lossy_format(folder):
+def lossy_format(folder):
     (folder / "shot_002.png").rename(folder / "shot_002.jpg")
-    return r"shot_002\.jpg is no \.png image.*export PNG"
+    return r"shot_002\.jpg is not a \.png image.*export \.png images"
 
 
-def another_size(folder):
+def different_size(folder):
     write_png(folder / "shot_001.png", np.zeros((24, SIZE, 3), dtype=np.uint8))
-    return r"shot_001\.png has 48x24 pixels instead of 48x48"
+    return r"shot_001\.png has 48x24 pixels: .*48x48"
 
 
 def one_channel(folder):
     write_png(folder / "shot_001.png", np.zeros((SIZE, SIZE, 1), dtype=np.uint8))
-    return r"shot_001\.png has 1 channel instead of RGB"
+    return r"shot_001\.png has 1 channel: export it as RGB"
 
 
-def cut_short(folder):
+def truncated(folder):
     whole = (folder / "shot_001.png").read_bytes()
     (folder / "shot_001.png").write_bytes(whole[: len(whole) // 2])
     return r"shot_001\.png is truncated or damaged"
@@ -171,22 +167,19 @@ def no_image(folder):
     return r"shot_001\.png is not a readable PNG image"
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        broken(change)
-        for change in (
-            nothing_there, a_frame_is_missing, the_last_is_missing, the_same_frame_twice, no_number,
-            hdr_where_display_was_promised, a_lossy_format, another_size, one_channel, cut_short, no_image,
-        )
-    ],
-)  # fmt: skip
-def test_what_can_be_wrong_is_told(single, folder, change):
-    told = change(folder)
-    with pytest.raises(UserError, match=told):
+CHANGES = [
+    *(no_frames, missing_frame, missing_last_frame, duplicate_frame, no_number),
+    *(hdr_instead_of_display, lossy_format, different_size, one_channel, truncated, no_image),
+]
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+def test_invalid_folders_are_errors(single, folder, change):
+    message = change(folder)
+    with pytest.raises(UserError, match=message):
         psnr(single, ".png", DisplayImages, folder)
 
 
-def test_a_missing_folder_is_told(single, tmp_path):
-    with pytest.raises(UserError, match="There is no folder"):
+def test_missing_folder_is_error(single, tmp_path):
+    with pytest.raises(UserError, match="Folder .* not found"):
         clip_files(tmp_path / "nowhere", [single], ".png")

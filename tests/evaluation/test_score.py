@@ -7,14 +7,14 @@ import torch.nn.functional as F
 from PIL import Image
 from skimage.metrics import peak_signal_noise_ratio
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 from supersampling.evaluation.crops import detailed_corner
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.result import evaluate
-from supersampling.metrics.chosen import Metrics
 from supersampling.metrics.prepare import Continuous, EightBit
 from supersampling.metrics.scores import read_scores
+from supersampling.metrics.selection import Metrics
 from supersampling.metrics.still import PSNR
 from supersampling.metrics.video.base import Scoring, VideoMetric
 from supersampling.models.base import Upsampler
@@ -22,10 +22,9 @@ from supersampling.models.bicubic import Bicubic
 
 
 class Count(VideoMetric):
-    """How many frames a clip's scoring saw, and the mean of its targets."""
+    """The number of frames that the scoring of a clip received, and the mean of its targets."""
 
     names = ("seen", "brightness")
-    requires = frozenset({"target"})
 
     def begin(self):
         return _Counting()
@@ -43,7 +42,7 @@ class _Counting(Scoring):
 
 
 class CountsFrames(Upsampler):
-    """Shows how many frames of the clip came before, over ten: its state is carried and begins anew with each clip."""
+    """Output: the number of previous frames of the clip divided by ten; the state starts again with each clip."""
 
     requires = frozenset({"color"})
     scale = 4
@@ -60,7 +59,7 @@ def path(make_file, tmp_path):
 
 
 def expected_psnr(path, clip, frame, eight_bit=False):
-    store = Store(path)
+    store = DatasetFile(path)
     part = slice(frame, frame + 1)
     color, target = (store.read(name, clip, part) for name in ("color", "target"))
     output = F.interpolate(torch.from_numpy(color), scale_factor=4, mode="bicubic").clamp(0, 1).numpy()
@@ -73,87 +72,86 @@ def expected_psnr(path, clip, frame, eight_bit=False):
 def test_every_frame_of_every_clip_is_scored(path, prepare, eight_bit):
     result = evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(prepare), [path])
     frames = result.frames.set_index(["clip", "frame"])["psnr"]
-    wanted = {(c, t): expected_psnr(path, c, t, eight_bit) for c in range(2) for t in range(5)}
-    assert frames.to_dict() == pytest.approx(wanted, abs=1e-4)
-    by_clip = [np.mean([wanted[c, t] for t in range(5)]) for c in range(2)]
+    expected = {(c, t): expected_psnr(path, c, t, eight_bit) for c in range(2) for t in range(5)}
+    assert frames.to_dict() == pytest.approx(expected, abs=1e-4)
+    by_clip = [np.mean([expected[c, t] for t in range(5)]) for c in range(2)]
     assert result.clips["psnr"].tolist() == pytest.approx(by_clip, abs=1e-4)
     assert result.summary()["test/psnr"] == pytest.approx(np.mean(by_clip), abs=1e-4)
     assert result.summary()["test/analytic/psnr"] == pytest.approx(np.mean(by_clip), abs=1e-4)
 
 
-def test_a_warm_up_is_listed_but_enters_no_mean(path):
+def test_warm_up_is_listed_but_enters_no_mean(path):
     result = evaluate(Bicubic(4), Metrics([PSNR()], [Count()]), Protocol(Continuous(), warm_up=2), [path])
     assert len(result.frames) == 10
-    wanted = [np.mean([expected_psnr(path, c, t) for t in range(2, 5)]) for c in range(2)]
-    assert result.clips["psnr"].tolist() == pytest.approx(wanted, abs=1e-4)
+    expected = [np.mean([expected_psnr(path, c, t) for t in range(2, 5)]) for c in range(2)]
+    assert result.clips["psnr"].tolist() == pytest.approx(expected, abs=1e-4)
     assert result.clips["seen"].tolist() == [3.0, 3.0]
-    target = Store(path).read("target", 1, slice(2, 5))
+    target = DatasetFile(path).read("target", 1, slice(2, 5))
     assert result.clips["brightness"][1] == pytest.approx(target.mean(), abs=1e-5)
 
 
-def test_the_state_is_carried_through_a_clip_and_not_to_the_next(path):
+def test_state_is_carried_through_clip_and_not_to_the_next(path):
     result = evaluate(CountsFrames(), Metrics([PSNR()]), Protocol(Continuous()), [path])
     for clip in range(2):
-        target = Store(path).read("target", clip, slice(0, 5)).astype(np.float64)
-        wanted = [-10 * np.log10(np.square(target[t] - t / 10).mean()) for t in range(5)]
-        ours = result.frames[result.frames["clip"] == clip]["psnr"]
-        assert ours.tolist() == pytest.approx(wanted, abs=1e-4)
+        target = DatasetFile(path).read("target", clip, slice(0, 5)).astype(np.float64)
+        expected = [-10 * np.log10(np.square(target[t] - t / 10).mean()) for t in range(5)]
+        values = result.frames[result.frames["clip"] == clip]["psnr"]
+        assert values.tolist() == pytest.approx(expected, abs=1e-4)
 
 
-def test_a_border_is_left_out(path):
+def test_border_is_left_out(path):
     result = evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(Continuous(), border=3), [path])
-    store = Store(path)
+    store = DatasetFile(path)
     color, target = (torch.from_numpy(store.read(n, 0, slice(0, 1))) for n in ("color", "target"))
     output = F.interpolate(color, scale_factor=4, mode="bicubic").clamp(0, 1)
     error = (output - target)[..., 12:-12, 12:-12].square().mean().item()
     assert result.frames["psnr"][0] == pytest.approx(-10 * np.log10(error), abs=1e-4)
 
 
-def test_all_values_are_kept_in_files(path, tmp_path):
+def test_all_values_are_written_to_files(path, tmp_path):
     result = evaluate(Bicubic(4), Metrics([PSNR()], [Count()]), Protocol(Continuous()), [path])
     result.write(tmp_path)
-    kept = read_scores(tmp_path / "frames.parquet")
-    assert kept.frames["psnr"].tolist() == result.frames["psnr"].tolist()
-    assert kept.clips[["psnr", "seen"]].equals(result.clips[["psnr", "seen"]])
-    assert kept.scenes["seen"].tolist() == [5.0]
+    stored = read_scores(tmp_path / "frames.parquet")
+    assert stored.frames["psnr"].tolist() == result.frames["psnr"].tolist()
+    assert stored.clips[["psnr", "seen"]].equals(result.clips[["psnr", "seen"]])
+    assert stored.scenes["seen"].tolist() == [5.0]
     assert (tmp_path / "crops.png").stat().st_size > 0
-    assert sorted(p.name for p in (tmp_path / "crops").iterdir()) == [
-        "0_analytic.png", "0_analytic_input.png", "0_analytic_target.png",
-    ]  # fmt: skip
+    crops = ["0_analytic.png", "0_analytic_input.png", "0_analytic_target.png"]
+    assert sorted(p.name for p in (tmp_path / "crops").iterdir()) == crops
     with Image.open(tmp_path / "epipolar" / "0_analytic_target.png") as plane:
         rows = np.asarray(plane)
-    target = Store(path).read("target", 0, slice(0, 5))[:, :, 24].transpose(0, 2, 1)
+    target = DatasetFile(path).read("target", 0, slice(0, 5))[:, :, 24].transpose(0, 2, 1)
     np.testing.assert_allclose(rows, target * 255, atol=0.01)
 
 
 class Pictured(Bicubic):
-    """With a state to look at: the target position's row, of the image's height."""
+    """With a picture of its state: the row of the target position relative to the image's height."""
 
     def state_images(self, state):
         return {"rows": torch.linspace(0, 1, 48)[None, None, :, None].expand(1, 1, 48, 64)}
 
 
-def test_state_images_are_cropped_like_the_output(path, tmp_path):
+def test_state_picture_is_at_the_position_of_the_crop(path, tmp_path):
     evaluate(Pictured(4), Metrics([PSNR()]), Protocol(Continuous()), [path]).write(tmp_path)
     with Image.open(tmp_path / "state" / "0_analytic_rows.png") as picture:
         values = np.asarray(picture)
     with Image.open(tmp_path / "crops" / "0_analytic_target.png") as crop:
         assert picture.size == crop.size
-    y, _ = detailed_corner(torch.from_numpy(Store(path).read("target", 0, slice(4, 5))), min(picture.size))
+    y, _ = detailed_corner(torch.from_numpy(DatasetFile(path).read("target", 0, slice(4, 5))), min(picture.size))
     expected = np.round(255 * np.linspace(0, 1, 48))[y : y + len(values), None, None]
     np.testing.assert_array_equal(values, np.broadcast_to(expected, values.shape))
 
 
-def test_metrics_of_an_earlier_evaluation_are_kept(path, tmp_path):
+def test_metrics_of_earlier_evaluation_are_kept(path, tmp_path):
     first = evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(Continuous()), [path])
     first.write(tmp_path)
     second = evaluate(Bicubic(4), Metrics([], [Count()]), Protocol(Continuous()), [path])
-    both = second.keep(read_scores(tmp_path / "frames.parquet"))
-    assert both.frames["psnr"].tolist() == first.frames["psnr"].tolist()
-    assert both.clips["psnr"].tolist() == first.clips["psnr"].tolist()
-    assert both.clips["seen"].tolist() == [5.0, 5.0]
+    merged = second.merge(read_scores(tmp_path / "frames.parquet"))
+    assert merged.frames["psnr"].tolist() == first.frames["psnr"].tolist()
+    assert merged.clips["psnr"].tolist() == first.clips["psnr"].tolist()
+    assert merged.clips["seen"].tolist() == [5.0, 5.0]
 
 
-def test_a_warm_up_longer_than_the_clips_is_told(path):
-    with pytest.raises(UserError, match="warm_up=5 leaves nothing of the 5 frames"):
+def test_warm_up_longer_than_the_clips_is_error(path):
+    with pytest.raises(UserError, match="warm_up=5: use less than the 5 frames"):
         evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(Continuous(), warm_up=5), [path])

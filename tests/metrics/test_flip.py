@@ -10,16 +10,16 @@ import torch
 from PIL import Image
 
 from supersampling.errors import UserError
+from supersampling.metrics.base import Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
-from supersampling.metrics.suite import Moment
 
 EXPOSURES = {"start": -3, "stop": 3, "number": 6}
 
 
 def moment(output, target, radiance=False):
-    """Of arrays ``(H, W, 3)``."""
+    """Return the moment of arrays ``(H, W, 3)``."""
     a, b = (torch.from_numpy(np.asarray(i, np.float32)).permute(2, 0, 1)[None] for i in (output, target))
-    return Moment(a, b, radiance=(a, b) if radiance else None)
+    return Moment(output=a, target=b, radiance=(a, b) if radiance else None)
 
 
 def flat(colour, height=9, width=14):
@@ -40,14 +40,14 @@ def hunted_lab(colour):
     return lightness, *(0.01 * lightness * np.array([500 * (f[0] - f[1]), 200 * (f[1] - f[2])]))
 
 
-def colour_distance(one, other):
-    """FLIP of two flat images, linear colours: nothing is left of its filters and its edges (equations 5 and 8)."""
+def colour_distance(first, second):
+    """FLIP of two flat images, linear colours: its filters and edges have no effect (equations 5 and 8)."""
 
     def hyab(a, b):
         return (abs(a[0] - b[0]) + math.hypot(a[1] - b[1], a[2] - b[2])) ** 0.7
 
     most = hyab(hunted_lab((0, 1, 0)), hunted_lab((0, 0, 1)))
-    error, knee = hyab(hunted_lab(one), hunted_lab(other)), 0.4 * most
+    error, knee = hyab(hunted_lab(first), hunted_lab(second)), 0.4 * most
     return 0.95 * error / knee if error < knee else 0.95 + 0.05 * (error - knee) / (most - knee)
 
 
@@ -58,13 +58,13 @@ PAIRS = [
 ]
 
 
-@pytest.mark.parametrize(("one", "other"), PAIRS)
-def test_flat_colours_by_hand(one, other):
-    expected = colour_distance(linear(one), linear(other))
+@pytest.mark.parametrize(("first", "second"), PAIRS)
+def test_flat_colours_by_hand(first, second):
+    expected = colour_distance(linear(first), linear(second))
     assert expected > 0.05
-    assert FLIP()(moment(flat(one), flat(other)))["flip"] == pytest.approx(expected, abs=1e-4)
-    swapped = colour_distance(linear(one[::-1]), linear(other[::-1]))
-    if one != one[::-1]:
+    assert FLIP()(moment(flat(first), flat(second)))["flip"] == pytest.approx(expected, abs=1e-4)
+    swapped = colour_distance(linear(first[::-1]), linear(second[::-1]))
+    if first != first[::-1]:
         assert abs(swapped - expected) > 1e-3  # so that the channels' order shows
 
 
@@ -74,11 +74,11 @@ def aces(radiance, stops):
     return np.clip(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0, 1)
 
 
-@pytest.mark.parametrize(("one", "other"), [((4, 3, 2), (5, 3, 2)), ((0.03, 0.02, 0.02), (0.02, 0.02, 0.03))])
-def test_flat_radiance_by_hand(one, other):
-    by_exposure = [colour_distance(aces(one, s), aces(other, s)) for s in np.linspace(-3, 3, 6)]
-    found = FLIPHDR(**EXPOSURES)(moment(flat(one), flat(other), True))
-    assert found["flip_hdr"] == pytest.approx(max(by_exposure), abs=2e-4)
+@pytest.mark.parametrize(("first", "second"), [((4, 3, 2), (5, 3, 2)), ((0.03, 0.02, 0.02), (0.02, 0.02, 0.03))])
+def test_flat_radiance_by_hand(first, second):
+    by_exposure = [colour_distance(aces(first, s), aces(second, s)) for s in np.linspace(-3, 3, 6)]
+    values = FLIPHDR(**EXPOSURES)(moment(flat(first), flat(second), True))
+    assert values["flip_hdr"] == pytest.approx(max(by_exposure), abs=2e-4)
     assert max(by_exposure) > max(by_exposure[2:4])  # a middle exposure alone would not do
 
 
@@ -110,18 +110,18 @@ def test_equals_the_tool_on_hdr_files(pictures, tmp_path):
             file.write(path)
     parameters = {"startExposure": -2.0, "stopExposure": 4.0, "numExposures": 3}
     expected = flip_evaluator.evaluate(paths[1], paths[0], "HDR", parameters=parameters)[1]
-    found = FLIPHDR(start=-2, stop=4, number=3)(moment(*images, True))
+    values = FLIPHDR(start=-2, stop=4, number=3)(moment(*images, True))
     assert expected > 0.01
-    assert found["flip_hdr"] == pytest.approx(expected, abs=1e-4)
+    assert values["flip_hdr"] == pytest.approx(expected, abs=1e-4)
 
 
-def test_the_default_distance_is_the_tools(pictures):
+def test_default_distance_is_the_tools(pictures):
     assert flip_evaluator.evaluate(*(p.astype(np.float32) for p in pictures), "LDR")[2]["ppd"] == pytest.approx(
         FLIP()._parameters["ppd"], abs=1e-3
     )
 
 
-def test_a_nearer_viewer_sees_more_of_a_fine_pattern():
+def test_nearer_viewer_sees_more_of_fine_pattern():
     y, x = np.mgrid[0:40, 0:40]
     grey = np.full((40, 40, 3), 0.5)
     fine = grey + 0.1 * (((x + y) % 2) * 2 - 1)[..., None]
@@ -136,18 +136,18 @@ def test_identical_and_black_frames_score_0(level):
     assert FLIPHDR(**EXPOSURES)(same)["flip_hdr"] == 0.0
 
 
-def test_a_method_without_radiance_has_no_value_on_it(pictures):
+def test_method_without_radiance_has_no_value_on_it(pictures):
     assert math.isnan(FLIPHDR(**EXPOSURES)(moment(*pictures))["flip_hdr"])
 
 
 @pytest.mark.parametrize("wrong", [{"number": 1}, {"start": 3}, {"stop": math.inf}, {"pixels_per_degree": 0.0}])
-def test_what_the_tool_would_misread_is_refused(wrong):
+def test_invalid_arguments_of_the_tool_are_errors(wrong):
     with pytest.raises(UserError, match=str(next(iter(wrong.values())))):
         FLIPHDR(**{**EXPOSURES, **wrong})
 
 
-def test_of_one_exposure_the_tool_says_nothing(pictures):
-    """Why fewer than two are refused."""
+def test_single_exposure_gives_zero_in_the_tool(pictures):
+    """The reason why fewer than two are an error."""
     parameters = {"startExposure": 0.0, "stopExposure": 0.0, "numExposures": 1}
     images = [p.astype(np.float32) for p in pictures]
     assert flip_evaluator.evaluate(*images, "HDR", applyMagma=False, parameters=parameters)[1] == 0.0

@@ -1,4 +1,5 @@
-"""Known faults: more of one is worse by every metric, and which metric is blind to which, as docs/metrics.md tells it."""
+"""Known faults: a stronger fault is worse by every metric, and metrics are blind to the faults that docs/metrics.md
+lists."""
 
 import math
 import re
@@ -9,10 +10,10 @@ import pytest
 import torch
 from scipy.ndimage import gaussian_filter
 
+from supersampling.metrics.base import FrameSuite, Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
-from supersampling.metrics.suite import Moment, Suite
 from supersampling.ops.display import radiance_to_display
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "metrics.md"
@@ -29,8 +30,8 @@ BLIND: dict[str, set[str]] = {
 RMS = 0.05
 SAME_RMS = ("noise", "brighter", "a blue tint", "a pattern of single pixels")
 
-DISPLAY = Suite([PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP()])
-RADIANCE = Suite([PSNRMu(1.0), FLIPHDR(start=-3, stop=3, number=6)])
+DISPLAY = FrameSuite([PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP()])
+RADIANCE = FrameSuite([PSNRMu(1.0), FLIPHDR(start=-3, stop=3, number=6)])
 
 _rng = np.random.default_rng(0)
 Y, X = np.mgrid[0:72, 0:96]
@@ -51,16 +52,16 @@ def shown(radiance):
 
 
 def display_scores(output, target):
-    return DISPLAY(Moment(tensor(output), tensor(target)))
+    return DISPLAY(Moment(output=tensor(output), target=tensor(target)))
 
 
 def radiance_scores(output, target):
     zeros = torch.zeros(1, 3, 1, 1)
-    return RADIANCE(Moment(zeros, zeros, radiance=(tensor(output), tensor(target))))
+    return RADIANCE(Moment(output=zeros, target=zeros, radiance=(tensor(output), tensor(target))))
 
 
 def loss(name, value):
-    """0 for identical images, more is worse."""
+    """Return the loss: 0 for identical images, more is worse."""
     if name.startswith("psnr"):
         return 10 ** (-value / 20)
     return 1 - value if "ssim" in name else value
@@ -74,7 +75,7 @@ DEGRADE = {
 
 
 @pytest.mark.parametrize("kind", DEGRADE)
-def test_more_of_it_is_worse_by_every_metric(kind):
+def test_stronger_degradation_is_worse_by_every_metric(kind):
     degrade, amounts = DEGRADE[kind]
     rows = [
         display_scores(np.clip(degrade(PICTURE, a), 0, 1), PICTURE)
@@ -88,7 +89,8 @@ def test_more_of_it_is_worse_by_every_metric(kind):
 
 @pytest.fixture(scope="module")
 def scores():
-    """Of every fault in `BLIND`: of the display image, and of the radiance where the fault is one of light."""
+    """Return the scores of every fault in `BLIND`, for display images and, if the fault is one of light, for
+    radiance."""
     middle = 0.2 + 0.6 * PICTURE
     blue = np.zeros_like(PICTURE)
     blue[2] = math.sqrt(3)
@@ -98,22 +100,22 @@ def scores():
         "a blue tint": blue,
         "a pattern of single pixels": np.broadcast_to((X + Y) % 2 * 2.0 - 1, PICTURE.shape),
     }
-    found = {name: display_scores(middle + RMS * error, middle) for name, error in added.items()}
-    found["swapped channels"] = display_scores(middle[::-1], middle)
+    values = {name: display_scores(middle + RMS * error, middle) for name, error in added.items()}
+    values["swapped channels"] = display_scores(middle[::-1], middle)
     bright, dimmer = LIGHT.copy(), LIGHT.copy()
     bright[:, :20, :20], dimmer[:, :20, :20] = 40, 20
-    found["highlights beyond white"] = {
+    values["highlights beyond white"] = {
         **display_scores(shown(dimmer), shown(bright)),
         **radiance_scores(dimmer, bright),
     }
     gamma = np.clip(LIGHT, 0, 1) ** (1 / 2.2)
-    found["wrong tone map"] = {**display_scores(gamma, shown(LIGHT)), **radiance_scores(LIGHT, LIGHT)}
-    return found
+    values["wrong tone map"] = {**display_scores(gamma, shown(LIGHT)), **radiance_scores(LIGHT, LIGHT)}
+    return values
 
 
 @pytest.mark.parametrize("fault", BLIND)
-def test_which_metric_is_blind_to_it(fault, scores):
-    """Blind: next to nothing, or an eighth of what the metric makes of another error of the same RMS."""
+def test_metrics_blind_to_each_fault(fault, scores):
+    """Blind: a loss near zero, or at most an eighth of that of an error of the same RMS."""
     for name, value in scores[fault].items():
         most = max(loss(name, scores[f][name]) for f in SAME_RMS) / 8 if fault in SAME_RMS else 0.0
         if name in BLIND[fault]:
@@ -122,12 +124,12 @@ def test_which_metric_is_blind_to_it(fault, scores):
             assert loss(name, value) > max(most, 1e-2), (name, value)
 
 
-def test_psnr_is_blind_to_an_errors_pattern(scores):
+def test_psnr_is_blind_to_errors_pattern(scores):
     for fault in SAME_RMS:
         assert scores[fault]["psnr"] == pytest.approx(-20 * math.log10(RMS), abs=1e-3)
 
 
-def test_the_page_has_these_numbers_and_marks_the_blind(scores):
+def test_documentation_has_these_numbers_and_marks_blind_metrics(scores):
     lines = [[cell.strip() for cell in line.strip("|").split("|")] for line in PAGE.read_text().splitlines()]
     head = next([re.sub("`", "", cell) for cell in line] for line in lines if line[0] == "fault")
     rows = {line[0]: dict(zip(head[1:], line[1:])) for line in lines if line[0] in BLIND}

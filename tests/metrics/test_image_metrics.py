@@ -8,11 +8,13 @@ from omegaconf import OmegaConf
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 
 from supersampling.errors import UserError
+from supersampling.metrics.base import Moment
 from supersampling.metrics.image import PSNR_CAP, mssim_thesis, psnr, ssim_gauss11, ssim_uniform11
 from supersampling.metrics.prepare import HIGHEST_RADIANCE, Continuous, EightBit, bounded
 from supersampling.metrics.radiance import PSNRMu, psnr_hdr_mu
+from supersampling.metrics.regions import Regions
 from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.video.static import StaticDeviation
 
 SSIMS = (ssim_gauss11, ssim_uniform11, mssim_thesis)
 
@@ -64,7 +66,7 @@ def test_ssim_equals_skimage(pair, dtype, tolerance):
 
 
 @pytest.mark.parametrize(("dtype", "tolerance"), [(torch.float64, 1e-6), (torch.float32, 1e-5)])
-def test_the_uniform_ssim_equals_skimage_as_nsrd_calls_it(pair, dtype, tolerance):
+def test_uniform_ssim_equals_skimage_as_nsrd_calls_it(pair, dtype, tolerance):
     bytes_of = [np.round(255 * image.transpose(1, 2, 0)).astype(np.uint8) for image in pair]
     expected = structural_similarity(*bytes_of, win_size=11, channel_axis=2, data_range=255)
     output, target = tensors(pair, dtype)
@@ -73,7 +75,7 @@ def test_the_uniform_ssim_equals_skimage_as_nsrd_calls_it(pair, dtype, tolerance
     assert abs(ssim_gauss11(output, target).item() - expected) > 0.01
 
 
-def test_the_thesis_constant_is_skimages_k2_of_0_02(pair):
+def test_thesis_constant_is_skimages_k2_of_0_02(pair):
     output, target = tensors(pair, torch.float64)
     expected = skimage_ssim(*pair, K2=0.02)
     assert abs(expected - skimage_ssim(*pair)) > 1e-3
@@ -104,7 +106,7 @@ def test_identical_images_score_one(pair, ssim):
 
 
 @pytest.mark.parametrize("ssim", SSIMS)
-def test_an_image_smaller_than_the_window_is_refused(ssim):
+def test_image_smaller_than_the_window_is_error(ssim):
     assert ssim(torch.zeros(1, 3, 11, 11), torch.zeros(1, 3, 11, 11)).item() == pytest.approx(1.0)
     with pytest.raises(UserError, match="12x10"):
         ssim(torch.zeros(1, 3, 10, 12), torch.zeros(1, 3, 10, 12))
@@ -112,7 +114,7 @@ def test_an_image_smaller_than_the_window_is_refused(ssim):
 
 @pytest.mark.parametrize("ssim", SSIMS)
 def test_black_frames(ssim):
-    """Against one another identical; of one flat grey only the luminance term is left."""
+    """Black against black is identical; against flat grey only the luminance term remains."""
     black, grey = torch.zeros(1, 3, 16, 16), torch.full((1, 3, 16, 16), 0.5)
     assert psnr(black, black).item() == PSNR_CAP
     assert psnr(black, grey).item() == pytest.approx(20 * np.log10(2), abs=1e-5)
@@ -122,25 +124,25 @@ def test_black_frames(ssim):
 
 @pytest.mark.parametrize("broken", [float("nan"), float("inf"), -float("inf")])
 @pytest.mark.parametrize("highest", [1.0, HIGHEST_RADIANCE])
-def test_a_broken_value_costs_the_most_that_any_value_can(broken, highest):
+def test_broken_value_costs_the_maximum(broken, highest):
     target = highest * torch.linspace(0, 1, 101)
     error = (bounded(torch.full_like(target, broken), target, highest) - target).abs()
     assert torch.equal(error, torch.maximum(target, highest - target))
 
 
-def test_values_outside_are_cut_and_values_inside_are_kept():
+def test_values_out_of_range_are_clamped():
     output = torch.tensor([-0.1, 0.0, 0.3, 1.0, 1.2])
     assert Continuous()(output, torch.zeros(5)).tolist() == pytest.approx([0, 0, 0.3, 1, 1])
     assert bounded(output, torch.zeros(5), HIGHEST_RADIANCE).tolist() == pytest.approx([0, 0, 0.3, 1, 1.2])
 
 
-def test_a_broken_frame_is_not_left_out_and_scores_worst(pair):
+def test_broken_frame_counts_and_scores_worst(pair):
     output, target = tensors(pair, torch.float32)
-    one, all_of_it = output.clone(), torch.full_like(output, float("nan"))
-    one[..., 7, 9] = float("nan")
-    assert psnr(one, target).isnan()  # unprepared, it would vanish from a mean
+    single, all_of_it = output.clone(), torch.full_like(output, float("nan"))
+    single[..., 7, 9] = float("nan")
+    assert psnr(single, target).isnan()  # unprepared, it would vanish from a mean
     for metric in (psnr, *SSIMS):
-        values = [metric(Continuous()(image, target), target).item() for image in (output, one, all_of_it)]
+        values = [metric(Continuous()(image, target), target).item() for image in (output, single, all_of_it)]
         assert values[0] > values[1] > values[2]
 
 
@@ -151,7 +153,7 @@ def test_eight_bits_are_the_nearest_steps():
     assert (steps - torch.tensor(nearest)).abs().max() < 1e-9
 
 
-def test_what_is_within_half_a_step_becomes_identical():
+def test_values_within_half_a_step_become_identical():
     target = torch.randint(0, 256, (1, 3, 16, 16), generator=torch.Generator().manual_seed(0)).float() / 255.0
     near, far = target + 0.49 / 255, target - 0.51 / 255
     assert psnr(EightBit()(near, target), target).item() == PSNR_CAP
@@ -160,22 +162,22 @@ def test_what_is_within_half_a_step_becomes_identical():
 
 
 def test_mu_law_psnr_by_hand():
-    """White (2) against a hundredth of it, and against four times it, which is not cut."""
-    made = torch.tensor([0.02, 8.0]).view(2, 1, 1, 1).expand(2, 3, 4, 4)
+    """White (2) against a hundredth of it, and against four times it, which is not clamped."""
+    radiance = torch.tensor([0.02, 8.0]).view(2, 1, 1, 1).expand(2, 3, 4, 4)
     expected = [-20 * np.log10(abs(np.log(1 + 5000 * r) / np.log(5001) - 1)) for r in (0.01, 4.0)]
-    assert psnr_hdr_mu(made, torch.full((2, 3, 4, 4), 2.0), white=2.0).tolist() == pytest.approx(expected, abs=1e-4)
-    assert psnr_hdr_mu(-made, torch.zeros_like(made), white=2.0).tolist() == [PSNR_CAP] * 2
+    assert psnr_hdr_mu(radiance, torch.full((2, 3, 4, 4), 2.0), white=2.0).tolist() == pytest.approx(expected, abs=1e-4)
+    assert psnr_hdr_mu(-radiance, torch.zeros_like(radiance), white=2.0).tolist() == [PSNR_CAP] * 2
 
 
 @pytest.mark.parametrize("white", [0.0, -1.0, float("inf"), float("nan")])
-def test_a_white_that_is_none_is_refused(white):
+def test_invalid_white_is_error(white):
     with pytest.raises(UserError, match="white"):
         PSNRMu(white)
 
 
-def test_each_metric_names_its_function(pair):
+def test_each_metric_computes_its_function(pair):
     output, target = tensors(pair, torch.float32)
-    moment = Moment(output, target, radiance=(4 * output, 4 * target))
+    moment = Moment(output=output, target=target, radiance=(4 * output, 4 * target))
     expected = {
         "psnr": psnr(output, target).item(),
         "ssim": ssim_gauss11(output, target).item(),
@@ -190,19 +192,15 @@ def test_each_metric_names_its_function(pair):
         assert metric(moment) == {name: expected[name]}
 
 
-def test_a_method_without_radiance_has_no_value_on_it(pair):
+def test_radiance_metric_is_nan_without_radiance(pair):
     output, target = tensors(pair, torch.float32)
-    assert np.isnan(PSNRMu(1.0)(Moment(output, target))["psnr_hdr_mu"])
+    assert np.isnan(PSNRMu(1.0)(Moment(output=output, target=target))["psnr_hdr_mu"])
 
 
 WARPING = ("warping_error", "warping_error_reference", "warping_error_ratio")
-REGIONS = {
-    "psnr_disoccluded", "psnr_elsewhere", "fraction_disoccluded", "psnr_static", "psnr_moving", "fraction_static",
-}  # fmt: skip
+REGIONS = set(Regions.names)
 SINGLE = {"psnr", "ssim", "ssim_uniform11", "mssim_thesis", "spatial", "temporal"}
-CLIPS = {
-    "static_std", "static_std_reference", "static_std_fraction", "strred", "srred", "trred", "vmaf",
-}  # fmt: skip
+CLIPS = {*StaticDeviation.names, "strred", "srred", "trred", "vmaf"}
 PAPER = SINGLE | REGIONS | CLIPS | set(WARPING)
 PRESETS = {
     "fast": {"psnr", "ssim"},
@@ -215,30 +213,36 @@ PRESETS = {
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_presets(name):
-    """Each makes its values, and asks for no buffer beyond what they need."""
-    chosen = instantiate(OmegaConf.load(Path(__file__).parents[2] / "conf" / "metrics" / f"{name}.yaml"))
-    wanted = {
+    """Each preset computes at least these metrics, and reads their buffers; captures have no dual motion."""
+    metrics = instantiate(OmegaConf.load(Path(__file__).parents[2] / "conf" / "metrics" / f"{name}.yaml"))
+    buffers = {
         "target": True,
         "motion": "temporal" in PRESETS[name],
         "motion_dual": "psnr_disoccluded" in PRESETS[name],
         "target_radiance": "flip_hdr" in PRESETS[name],
     }
-    assert chosen.requires == {buffer for buffer, is_read in wanted.items() if is_read}
+    assert metrics.requires >= {buffer for buffer, is_read in buffers.items() if is_read}
+    assert name != "capture" or "motion_dual" not in metrics.requires
     targets = torch.rand(10, 1, 3, 48, 48, generator=torch.Generator().manual_seed(0))
     scores = {}
-    with chosen.of_clips.begin() as clip:
+    with metrics.clips.begin() as clip:
         for t, target in enumerate(targets):
             output = (target + 0.1).clamp(0, 1)
             still = torch.zeros(1, 2, 12, 12)
             previous = (targets[t - 1], targets[t - 1]) if t else None
-            moment = Moment(output, target, previous, still, still, (output, target), (12, 12))
-            scores.update(chosen.of_frames(moment))
+            moment = Moment(
+                output=output,
+                target=target,
+                previous=previous,
+                motion=still,
+                motion_dual=still,
+                radiance=(output, target),
+                size=(12, 12),
+            )
+            scores.update(metrics.frames(moment))
             clip.add(moment)
         scores.update(clip.finish())
-    assert scores.keys() == PRESETS[name] == set(chosen.names)
-    without = {
-        "lpips_alex",
-        "psnr_disoccluded",
-        "psnr_moving",
-    }  # no weights; nothing moves, so there are no such pixels
+    assert PRESETS[name] <= scores.keys() == set(metrics.names)
+    # LPIPS has no weights here; nothing moves, so that no pixel is moving or disoccluded.
+    without = {"lpips_alex", "psnr_disoccluded", "psnr_moving"}
     assert all(np.isfinite(value) for metric, value in scores.items() if metric not in without)

@@ -1,4 +1,4 @@
-"""LPIPS with random weights of its classifier where the trained ones are looked for, and without any."""
+"""LPIPS with random weights in place of the trained ones of its classifier, and without weights."""
 
 import math
 import shutil
@@ -11,13 +11,17 @@ import torch.nn.functional as F
 from torchvision.models.alexnet import AlexNet_Weights
 
 from supersampling.errors import UserError
+from supersampling.metrics.base import Moment
 from supersampling.metrics.lpips import LPIPS, trained
-from supersampling.metrics.suite import Moment
 
 # AlexNet (Krizhevsky 2014): its five convolutions, numbered as torchvision does; a pool of 3, stride 2 before 3 and 6.
 LAYERS = {
-    0: (3, 64, 11, 4, 2), 3: (64, 192, 5, 1, 2), 6: (192, 384, 3, 1, 1), 8: (384, 256, 3, 1, 1), 10: (256, 256, 3, 1, 1),
-}  # fmt: skip
+    0: (3, 64, 11, 4, 2),
+    3: (64, 192, 5, 1, 2),
+    6: (192, 384, 3, 1, 1),
+    8: (384, 256, 3, 1, 1),
+    10: (256, 256, 3, 1, 1),
+}
 
 
 def random_weights():
@@ -54,7 +58,11 @@ def picture(height=48, width=64):
     return torch.stack([0.5 + 0.4 * torch.sin(0.4 * x + 0.25 * y + c) for c in range(3)])[None]
 
 
-def lpips_plainly(output, target, state):
+def score(metric, output, target):
+    return metric(Moment(output=output, target=target))
+
+
+def expected_lpips(output, target, state):
     """Zhang et al. 2018, equation 1, with the weights of each channel that the package ships."""
     learned = torch.load(Path(lpips.__file__).parent / "weights/v0.1/alex.pth", "cpu")
     shift = torch.tensor([-0.030, -0.088, -0.188]).view(3, 1, 1)
@@ -76,32 +84,31 @@ def test_equals_its_equation(metric):
     g = torch.Generator().manual_seed(1)
     target = picture()
     output = (target + 0.1 * torch.randn(target.shape, generator=g)).clamp(0, 1)
-    expected = lpips_plainly(output, target, random_weights())
+    expected = expected_lpips(output, target, random_weights())
     assert metric.names == ("lpips_alex",)
     assert expected > 1e-3
-    assert metric(Moment(output, target)) == {"lpips_alex": pytest.approx(expected, abs=1e-4)}
+    assert score(metric, output, target) == {"lpips_alex": pytest.approx(expected, abs=1e-4)}
 
 
 def test_identical_and_black_frames_score_0(metric):
     for image in (picture(), torch.zeros(1, 3, 40, 40)):
-        assert metric(Moment(image, image))["lpips_alex"] == 0.0
+        assert score(metric, image, image)["lpips_alex"] == 0.0
 
 
 def test_more_noise_is_farther(metric):
     noise = torch.randn(1, 3, 48, 64, generator=torch.Generator().manual_seed(2))
-    distances = [
-        metric(Moment((picture() + a * noise).clamp(0, 1), picture()))["lpips_alex"] for a in (0.02, 0.06, 0.18)
-    ]
+    outputs = [(picture() + a * noise).clamp(0, 1) for a in (0.02, 0.06, 0.18)]
+    distances = [score(metric, output, picture())["lpips_alex"] for output in outputs]
     assert 0 < distances[0] < distances[1] < distances[2]
 
 
-def test_the_smallest_image(metric):
-    assert math.isfinite(metric(Moment(picture(31, 31), picture(31, 31)))["lpips_alex"])
+def test_smallest_image(metric):
+    assert math.isfinite(score(metric, picture(31, 31), picture(31, 31))["lpips_alex"])
     with pytest.raises(UserError, match="40x30"):
-        metric(Moment(picture(30, 40), picture(30, 40)))
+        score(metric, picture(30, 40), picture(30, 40))
 
 
-def test_without_weights_it_says_which_file_goes_where(tmp_path, monkeypatch):
+def test_missing_weights_name_file_and_folder(tmp_path, monkeypatch):
     def unreachable(*_, **__):
         raise OSError("no network")
 
@@ -111,10 +118,10 @@ def test_without_weights_it_says_which_file_goes_where(tmp_path, monkeypatch):
     url = AlexNet_Weights.IMAGENET1K_V1.url
     with pytest.raises(UserError, match="LPIPS needs") as error:
         LPIPS("alex")
-    for told in (url, str(tmp_path / "hub" / "checkpoints" / url.rsplit("/", 1)[-1]), "no network"):
-        assert told in str(error.value)
+    for text in (url, str(tmp_path / "hub" / "checkpoints" / url.rsplit("/", 1)[-1]), "no network"):
+        assert text in str(error.value)
 
 
-def test_an_unknown_network_is_refused():
+def test_unknown_network_is_error():
     with pytest.raises(UserError, match="network=squeeze"):
         LPIPS("squeeze")

@@ -1,4 +1,4 @@
-"""Faults put into a rendered clip: each is seen by the metric that is there for it, and some metrics are blind to some.
+"""Faults in a rendered clip: each is detected by its metrics, and some metrics are blind to some faults.
 
 The faults, and what blind means, are those of scripts/timing/blind.py, which makes the table in docs/metrics.md.
 """
@@ -17,7 +17,7 @@ from supersampling.metrics.image import psnr, ssim_gauss11
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.regions import Regions
 from supersampling.metrics.still import PSNR, SSIM
-from supersampling.metrics.suite import Temporal
+from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.static import StaticDeviation
 from supersampling.metrics.video.strred import StRred
 from supersampling.metrics.video.vmaf import Vmaf
@@ -49,8 +49,8 @@ BLIND = {
 @pytest.fixture(scope="module")
 def values(film):
     """By fault, then by metric."""
-    clip = table.Clip(*(torch.cat(images[:COUNT]) for images in (film.targets, film.motions, film.duals)),
-                      torch.cat([target for _, target in film.radiance[:COUNT]]))  # fmt: skip
+    buffers = (film.targets, film.motions, film.duals, [target for _, target in film.radiance])
+    clip = table.Clip(*(torch.cat(images[:COUNT]) for images in buffers))
     frames = [PSNR(), SSIM(), FLIP(), PSNRMu(1.0), Temporal(), Regions()]
     clips = [StaticDeviation(3), WarpingError(DualMotion()), StRred(), Vmaf()]
     return {name: table.scores(clip, fault(clip), frames, clips) for name, fault in table.FAULTS.items()}
@@ -61,18 +61,18 @@ def blind(values, name):
 
 
 @pytest.mark.parametrize("fault", CATCHES)
-def test_each_fault_is_caught_by_the_metrics_that_are_there_for_it(values, fault):
+def test_each_fault_is_detected_by_its_metrics(values, fault):
     for name in CATCHES[fault]:
         assert fault not in blind(values, name), name
 
 
 @pytest.mark.parametrize("fault", BLIND)
-def test_some_metrics_are_blind_to_it(values, fault):
+def test_blind_metrics(values, fault):
     for name in BLIND[fault]:
         assert fault in blind(values, name), name
 
 
-def test_a_ghost_trail_is_worst_just_after_disocclusion(values):
+def test_ghost_trail_is_worst_just_after_disocclusion(values):
     ghost = values["ghost"]
     assert ghost["psnr_disoccluded"] < ghost["psnr_elsewhere"] - 6
 
@@ -81,7 +81,7 @@ def frame_mean(metric, outputs, targets):
     return torch.cat([metric(o, t) for o, t in zip(outputs, targets)]).mean().item()
 
 
-def test_more_of_a_fault_is_worse(film):
+def test_more_of_fault_is_worse(film):
     targets, motions, duals = film.targets, film.motions, film.duals
 
     def rising(measure, clips):

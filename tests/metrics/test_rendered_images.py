@@ -1,4 +1,4 @@
-"""Metrics of single frames on a rendered clip, each against an implementation that is not this project's."""
+"""Metrics of single frames on a rendered clip, each against an independent implementation."""
 
 import csv
 import math
@@ -13,12 +13,13 @@ from PIL import Image
 from scipy.ndimage import map_coordinates
 from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 
+from supersampling.metrics.base import Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.image import mssim_thesis, psnr, ssim_gauss11, ssim_uniform11
 from supersampling.metrics.prepare import EightBit
 from supersampling.metrics.radiance import psnr_hdr_mu
 from supersampling.metrics.regions import Regions
-from supersampling.metrics.suite import Moment, Temporal
+from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.base import to_bytes
 
 GAUSSIAN = {"gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False}
@@ -35,7 +36,7 @@ def pairs(film):
 
 
 @pytest.mark.parametrize(
-    ("ours", "theirs", "settings"),
+    ("metric", "reference", "settings"),
     [
         (psnr, peak_signal_noise_ratio, {}),
         (ssim_gauss11, structural_similarity, {"channel_axis": 2, **GAUSSIAN}),
@@ -43,14 +44,14 @@ def pairs(film):
         (mssim_thesis, structural_similarity, {"channel_axis": 2, "K2": 0.02, **GAUSSIAN}),
     ],
 )
-def test_psnr_and_ssim_equal_scikit_image(film, ours, theirs, settings):
+def test_psnr_and_ssim_equal_scikit_image(film, metric, reference, settings):
     for output, target in pairs(film):
-        expected = theirs(double(target), double(output), data_range=1.0, **settings)
-        assert ours(output.double(), target.double()).item() == pytest.approx(expected, abs=1e-6)
-        assert ours(output, target).item() == pytest.approx(expected, rel=2e-6)  # float32
+        expected = reference(double(target), double(output), data_range=1.0, **settings)
+        assert metric(output.double(), target.double()).item() == pytest.approx(expected, abs=1e-6)
+        assert metric(output, target).item() == pytest.approx(expected, rel=2e-6)  # float32
 
 
-def test_of_8_bit_frames_they_equal_scikit_image_on_bytes(film):
+def test_8_bit_frames_equal_scikit_image_on_bytes(film):
     for output, target in pairs(film):
         bytes_of = to_bytes(target), to_bytes(output)
         rounded = EightBit()(output, target)
@@ -143,7 +144,7 @@ def test_regions_equal_numpys_on_scipys_interpolation(film):
         assert Regions()(moment) == pytest.approx(expected, abs=1e-3)
 
 
-def test_the_first_frame_has_no_temporal_value(film):
+def test_first_frame_has_no_temporal_value(film):
     for metric in (Temporal(), Regions()):
         assert all(math.isnan(value) for value in metric(film.moment(0)).values())
         assert all(torch.isfinite(torch.tensor(value)) for value in metric(film.moment(1)).values())

@@ -1,4 +1,4 @@
-"""Metrics of clips on a rendered one, each against an implementation that is not this project's."""
+"""Metrics of clips on a rendered clip, each against an independent implementation."""
 
 import json
 import subprocess
@@ -53,7 +53,7 @@ def test_strred_equals_scikit_video(film, monkeypatch):
 
 
 def test_vmaf_equals_ffmpeg_on_png_files(film, tmp_path):
-    """As anyone would compare two folders of screenshots; nothing is converted by this project's hand but to BT.709."""
+    """The usual comparison of two folders of screenshots; this project only states BT.709."""
     inputs = []
     for name, clip in (("output", film.outputs), ("target", film.targets)):
         for t, frame in enumerate(clip):
@@ -143,7 +143,7 @@ def test_warping_errors_equal_scipys_interpolation(film, kind):
     assert list(values.values()) == pytest.approx([output, reference, output / reference], rel=2e-3)
 
 
-def test_the_static_deviation_equals_numpys(film):
+def test_static_deviation_equals_numpys(film):
     """Every pixel's runs of 3 frames or more without motion."""
     outputs, targets = stack(film.outputs), stack(film.targets)
     count, height, width = targets.shape[:3]

@@ -1,4 +1,4 @@
-"""The Parquet table of scores: what is written is read back, and what is no such table is refused in a sentence."""
+"""The Parquet table of scores: written tables are read back, and invalid tables are errors of one sentence."""
 
 import numpy as np
 import pandas as pd
@@ -22,10 +22,10 @@ def frames() -> pd.DataFrame:
 
 def scores() -> Scores:
     clips = frames().groupby(["scene", "clip"])[["psnr", "temporal"]].mean().reset_index()
-    return Scores.of(frames(), clips.assign(vmaf=[70.0, 80.0, 90.0, 50.0]))
+    return Scores.with_scene_means(frames(), clips.assign(vmaf=[70.0, 80.0, 90.0, 50.0]))
 
 
-def test_frames_clips_and_scenes_come_back(tmp_path):
+def test_frames_clips_and_scenes_are_read_back(tmp_path):
     write_scores(tmp_path / "frames.parquet", scores())
     read = read_scores(tmp_path / "frames.parquet")
     pd.testing.assert_frame_equal(read.frames, frames(), check_dtype=False)
@@ -56,27 +56,27 @@ def change(**columns: object) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize(
-    ("table", "told"),
+    ("table", "message"),
     [
-        (change().drop(columns="clip"), "needs scene, clip, frame"),
+        (change().drop(columns="clip"), "with scene, clip, frame and"),
         (change().drop(columns="psnr"), "at least one metric"),
-        (change(psnr=["high", "low"]), "column 'psnr'"),
-        (change(scene=[1, 2]), "column 'scene'"),
-        (change(frame=[0.5, 1.5]), "column 'frame'"),
-        (change(frame=pd.array([0, 0], "Int32")), "same place twice.*frame 0"),
-        (change(frame=pd.array([0, 1], "Int32")), "lacks the row of clip 0 of a"),
-        (change(clip=pd.array([None, 0], "Int32"), frame=pd.array([0, None], "Int32")), "frame without its clip"),
+        (change(psnr=["high", "low"]), "Column psnr"),
+        (change(scene=[1, 2]), "Column scene"),
+        (change(frame=[0.5, 1.5]), "Column frame"),
+        (change(frame=pd.array([0, 0], "Int32")), "Two rows .* the same place .*frame 0"),
+        (change(frame=pd.array([0, 1], "Int32")), "frames of clip 0 of a but no row"),
+        (change(clip=pd.array([None, 0], "Int32"), frame=pd.array([0, None], "Int32")), "has a frame but no clip"),
     ],
-)  # fmt: skip
-def test_a_wrong_table_is_told(tmp_path, table, told):
+)
+def test_invalid_tables_are_errors(tmp_path, table, message):
     if table.get("frame") is not None and table["frame"].tolist()[:1] == [0.0]:
         table = table.astype({"frame": "Int32"})
     table.to_parquet(tmp_path / "wrong.parquet")
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         read_scores(tmp_path / "wrong.parquet")
 
 
-def test_a_file_of_another_kind_is_told(tmp_path):
+def test_other_file_formats_are_errors(tmp_path):
     (tmp_path / "x.parquet").write_text("not parquet")
     with pytest.raises(UserError, match="not a Parquet table"):
         read_scores(tmp_path / "x.parquet")

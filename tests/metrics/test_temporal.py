@@ -13,7 +13,7 @@ def test_closed_form_for_constant_errors_of_each_frame():
     assert temporal_loss(*frames).tolist() == pytest.approx([0.2, 0.25])
 
 
-def test_an_error_that_moves_with_the_picture_is_no_flicker():
+def test_error_that_moves_with_the_picture_is_no_flicker():
     error = torch.zeros(1, 3, 8, 16)
     error[..., 2:5, 6:9] = 0.4
     motion = torch.zeros(1, 2, 4, 8)

@@ -15,18 +15,18 @@ from supersampling.metrics.video.warping import DualMotion, Photometric, Warping
 METRICS = [StaticDeviation(), WarpingError(DualMotion()), WarpingError(Photometric()), StRred(), Vmaf()]
 
 
-def held(value) -> int:
-    """Bytes of all tensors and arrays that an object holds."""
+def count_elements(value) -> int:
+    """Return the bytes of all tensors and arrays of an object."""
     if isinstance(value, torch.Tensor | np.ndarray):
         return value.nbytes
     if isinstance(value, dict):
-        return sum(held(v) for v in value.values())
+        return sum(count_elements(v) for v in value.values())
     if isinstance(value, list | tuple):
-        return sum(held(v) for v in value)
-    return held(vars(value)) if type(value).__module__.startswith("supersampling") else 0
+        return sum(count_elements(v) for v in value)
+    return count_elements(vars(value)) if type(value).__module__.startswith("supersampling") else 0
 
 
-def test_one_suite_gives_what_its_metrics_give_alone():
+def test_suite_equals_its_separate_metrics():
     targets, motions, duals = passing_square(4)
     outputs = [image * 0.9 for image in targets]
     suite = VideoSuite(METRICS)
@@ -41,7 +41,7 @@ def test_one_suite_gives_what_its_metrics_give_alone():
 
 @pytest.mark.parametrize("metric", [*METRICS, ColorVideoVdp()], ids=lambda m: m.names[0])
 def test_memory_does_not_grow_with_the_clip(metric):
-    """What a scoring holds after 6 frames is what it holds after 24: an even number, for ST-RRED's pairs."""
+    """The size of the state after 6 frames equals that after 24; both are even, for the pairs of ST-RRED."""
     if isinstance(metric, ColorVideoVdp):
         pytest.importorskip("pycvvdp")
     targets, motions, duals = passing_square(6)
@@ -50,7 +50,7 @@ def test_memory_does_not_grow_with_the_clip(metric):
         for _ in range(4):
             for moment in moments(targets, targets, motions, duals):
                 scoring.add(moment)
-            sizes.append(held(scoring))
+            sizes.append(count_elements(scoring))
     assert sizes == sizes[:1] * 4
 
 
@@ -60,7 +60,7 @@ def test_bytes_are_rounded_and_cut():
     assert to_bytes(image).shape == (1, 6, 3)
 
 
-def test_an_epipolar_plane_is_one_row_over_time():
+def test_epipolar_plane_is_one_row_over_time():
     targets, _, _ = passing_square(5)
     plane = EpipolarPlane(0.5, longest=4)
     for image in targets:
@@ -72,5 +72,5 @@ def test_an_epipolar_plane_is_one_row_over_time():
         np.testing.assert_array_equal(output[t], to_bytes(targets[t] * 0.5)[24])
     with pytest.raises(UserError, match="without frames"):
         EpipolarPlane().images()
-    with pytest.raises(UserError, match="got 1.5"):
+    with pytest.raises(UserError, match="place=1.5"):
         EpipolarPlane(1.5)

@@ -24,14 +24,14 @@ def test_equals_the_package_on_arrays():
     assert score(ColorVideoVdp(), outputs, targets)["cvvdp"] == pytest.approx(float(expected), abs=1e-4)
 
 
-def test_names_carry_what_the_score_depends_on():
+def test_names_include_display_and_frame_rate():
     assert ColorVideoVdp().names == ("cvvdp",)
     assert ColorVideoVdp(30.0, "standard_4k").names == ("cvvdp_standard_4k_30fps",)
 
 
 def test_edges():
     assert math.isnan(score(ColorVideoVdp(), [], [])["cvvdp"])
-    with pytest.raises(UserError, match="got 0"):
+    with pytest.raises(UserError, match="frame_rate=0"):
         ColorVideoVdp(0.0)
     with pytest.raises(UserError, match="no_such_display"):
         ColorVideoVdp(60.0, "no_such_display").begin()
@@ -39,7 +39,7 @@ def test_edges():
         score(ColorVideoVdp(), [torch.zeros(1, 3, 3, 9)], [torch.zeros(1, 3, 3, 9)])
 
 
-def test_of_one_frame_it_is_the_packages_score_of_an_image():
+def test_clip_of_one_frame_is_scored_as_an_image():
     output, target = torch.rand(2, 1, 3, 24, 32, generator=torch.Generator().manual_seed(0))
     expected, _ = pycvvdp.cvvdp(display_name="standard_fhd", quiet=True).predict(
         to_bytes(output), to_bytes(target), dim_order="HWC"
@@ -48,13 +48,13 @@ def test_of_one_frame_it_is_the_packages_score_of_an_image():
     assert score(ColorVideoVdp(), [output], [target])["cvvdp"] == pytest.approx(float(expected), abs=1e-4)
 
 
-def test_without_the_package_it_says_so_before_the_first_frame(monkeypatch):
+def test_missing_package_is_an_error_before_the_first_frame(monkeypatch):
     monkeypatch.setitem(sys.modules, "pycvvdp", None)
     with pytest.raises(UserError, match="pip install cvvdp"):
         ColorVideoVdp().begin()
 
 
-def test_frames_go_to_a_file_that_close_deletes():
+def test_frames_go_to_file_that_close_deletes():
     scoring = ColorVideoVdp().begin()
     with scoring:
         image = torch.rand(1, 3, 4, 6)

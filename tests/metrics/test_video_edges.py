@@ -1,4 +1,4 @@
-"""What every video metric makes of clips that are hardly any: NaN, or the value that docs/metrics.md gives."""
+"""Values of every video metric for degenerate clips: NaN, or the value in docs/metrics.md."""
 
 import math
 
@@ -29,7 +29,7 @@ RATIOS = ("warping_error_ratio", "warping_error_photometric_ratio")
 
 @pytest.fixture(scope="module")
 def values():
-    """Of all metrics, of a camera at rest."""
+    """Return the scores of all metrics for a camera at rest."""
     rest = [torch.zeros(1, 2, 12, 16)] * COUNT
 
     def of(outputs, targets):
@@ -47,13 +47,13 @@ def test_no_frame_has_no_value(values):
     assert nan_of(scores) == scores.keys()
 
 
-def test_one_frame_has_what_needs_no_other(values):
+def test_single_frame_has_values_of_metrics_without_pairs(values):
     scores = values(TEXTURE[:1], TEXTURE[1:2])
     assert scores.keys() - nan_of(scores) == {"static_std_fraction", "vmaf", "cvvdp"}
 
 
 @pytest.mark.parametrize("frames", [TEXTURE, BLACK, GREY, WHITE], ids=["texture", "black", "grey", "white"])
-def test_a_clip_against_itself(values, frames):
+def test_clip_against_itself(values, frames):
     scores = values(frames, frames)
     flat = frames is not TEXTURE
     assert nan_of(scores) == (set(RATIOS) if flat else set())  # the reference's error is 0
@@ -67,14 +67,14 @@ def test_a_clip_against_itself(values, frames):
 
 
 @pytest.mark.parametrize(("outputs", "targets"), [(GREY, TEXTURE), (TEXTURE, GREY), (BLACK, TEXTURE), (TEXTURE, BLACK)])
-def test_a_flat_clip_against_a_texture_is_finite_and_bad(values, outputs, targets):
+def test_flat_clip_against_texture_is_finite_and_bad(values, outputs, targets):
     scores = values(outputs, targets)
     assert nan_of(scores) == (set() if targets is TEXTURE else set(RATIOS))
     assert scores["strred"] > 1000
     assert scores["cvvdp"] < 7
 
 
-def test_of_flat_frames_no_video_metric_sees_the_brightness(values):
+def test_no_video_metric_sees_the_brightness_of_flat_frames(values):
     scores = values(BLACK, WHITE)
     assert scores["strred"] == 0.0
     assert scores["vmaf"] == pytest.approx(97.43, abs=0.01)

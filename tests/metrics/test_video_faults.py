@@ -1,4 +1,4 @@
-"""Each metric sees the fault that it is there for, and more of the fault is worse; some are blind to others' faults."""
+"""Each metric detects its fault, and a stronger fault is worse; some metrics are blind to other faults."""
 
 from itertools import pairwise
 
@@ -18,7 +18,7 @@ COUNT = 8
 
 @pytest.fixture(scope="module")
 def film():
-    """A pan whose reference is a little noisy, so that it has a warping error of its own."""
+    """A pan whose reference is a little noisy, so that it has a warping error of its reference."""
     images, motions = pan(COUNT)
     return noisy(images, 0.01), motions
 
@@ -46,9 +46,9 @@ def test_one_frames_flicker_is_seen_by_warping_error_and_not_by_mean_psnr(film):
     constant = [t + 0.05 for t in targets]
     flicker = flickering(targets, 0.05)
     assert mean(psnr, flicker, targets) > mean(psnr, constant, targets)
-    own = warping(targets, targets, motions)
-    assert warping(constant, targets, motions) == pytest.approx(own, rel=1e-3)
-    assert warping(flicker, targets, motions) > 2 * own
+    reference = warping(targets, targets, motions)
+    assert warping(constant, targets, motions) == pytest.approx(reference, rel=1e-3)
+    assert warping(flicker, targets, motions) > 2 * reference
 
 
 def test_more_flicker_is_worse(film):
@@ -63,7 +63,7 @@ def test_more_flicker_is_worse(film):
     assert deviations[1] > 0.0
 
 
-def test_a_ghost_trail_is_seen_where_the_square_was():
+def test_ghost_trail_is_seen_where_the_square_was():
     targets, motions, duals = passing_square(COUNT)
     clean = noisy(targets, 0.01)
     trails = [regions(ghosted(clean, weight), targets, motions, duals) for weight in (0.0, 0.1, 0.2, 0.4)]
@@ -73,7 +73,7 @@ def test_a_ghost_trail_is_seen_where_the_square_was():
     assert trails[3]["psnr_elsewhere"] > trails[3]["psnr_disoccluded"] + 3
 
 
-def test_a_shift_by_one_pixel_is_seen_by_image_metrics_and_not_by_warping_error(film):
+def test_shift_by_one_pixel_is_seen_by_image_metrics_and_not_by_warping_error(film):
     targets, motions = film
     shifted = [torch.roll(t, 1, dims=2) for t in targets]  # across the motion, so that nothing enters
     assert mean(psnr, shifted, targets) < mean(psnr, noisy(targets, 0.01), targets) - 6
@@ -81,7 +81,7 @@ def test_a_shift_by_one_pixel_is_seen_by_image_metrics_and_not_by_warping_error(
     assert warping(shifted, targets, motions) == pytest.approx(warping(targets, targets, motions), rel=1e-3)
 
 
-def test_a_wrong_tonemap_is_seen_by_psnr_and_not_by_warping_error(film):
+def test_wrong_tonemap_is_seen_by_psnr_and_not_by_warping_error(film):
     targets, motions = film
     mapped = [t.clamp_min(0.0) ** (1 / 1.3) for t in targets]
     assert mean(psnr, mapped, targets) < 28
@@ -96,7 +96,7 @@ def test_swapped_channels_are_seen_by_psnr_and_ssim(film):
 
 
 def test_luma_metrics_are_blind_to_colour_of_equal_luma():
-    """Why RGB metrics stand beside them: red and blue moved against each other at constant luma."""
+    """The reason for RGB metrics: red and blue are shifted against each other at constant luma."""
     targets, _ = pan(4)
     shift = torch.tensor([0.1, 0.0, -0.1 * 0.2126 / 0.0722])[:, None, None]
     targets = [0.4 + 0.2 * t for t in targets]
@@ -116,8 +116,8 @@ def test_more_blur_or_noise_is_worse_by_strred_and_vmaf(film, fault):
     assert worse([101 - score(Vmaf(), outputs, targets)["vmaf"] for outputs in clips])
 
 
-def test_more_noise_is_worse_by_warping_error_and_blur_pleases_it(film):
+def test_warping_error_penalises_noise_and_favours_blur(film):
     targets, motions = film
-    own = warping(targets, targets, motions)
-    assert worse([own] + [warping(noisy(targets, sigma), targets, motions) for sigma in (0.02, 0.06, 0.15)])
-    assert warping(blurred(targets, 1), targets, motions) < 0.5 * own
+    reference = warping(targets, targets, motions)
+    assert worse([reference] + [warping(noisy(targets, sigma), targets, motions) for sigma in (0.02, 0.06, 0.15)])
+    assert warping(blurred(targets, 1), targets, motions) < 0.5 * reference

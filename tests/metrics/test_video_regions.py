@@ -3,13 +3,13 @@ import math
 import pytest
 import torch
 
+from supersampling.metrics.base import Moment
 from supersampling.metrics.image import PSNR_CAP
 from supersampling.metrics.regions import Regions, disoccluded, region_psnr, static
-from supersampling.metrics.suite import Moment
 
 
 def test_each_region_has_its_own_error():
-    """One low-resolution pixel a target pixel, so that regions are exact: each part gets another error."""
+    """One low-resolution pixel per target pixel, so that regions are exact: each region has a different error."""
     target = torch.full((1, 3, 8, 16), 0.5)
     motion, dual = torch.zeros(1, 2, 8, 16), torch.zeros(1, 2, 8, 16)
     motion[:, 0, :, 8:] = -2 / 16
@@ -18,7 +18,7 @@ def test_each_region_has_its_own_error():
     output = target.clone()
     output[..., 8:] += 0.1
     output[:, :, :4, 4:8] += 0.2
-    values = Regions()(Moment(output, target, (target, target), motion, dual))
+    values = Regions()(Moment(output=output, target=target, previous=(target, target), motion=motion, motion_dual=dual))
     assert values == pytest.approx(
         {
             "psnr_disoccluded": -20 * math.log10(0.2),
@@ -50,6 +50,8 @@ def test_edges():
     image, none = torch.full((1, 3, 4, 4), 0.3), torch.zeros(1, 1, 4, 4, dtype=torch.bool)
     assert math.isnan(region_psnr(image, image, none))
     assert region_psnr(image, image, ~none) == PSNR_CAP
-    first = Regions()(Moment(image, image, None, torch.zeros(1, 2, 2, 2), torch.zeros(1, 2, 2, 2)))
+    first = Regions()(
+        Moment(output=image, target=image, motion=torch.zeros(1, 2, 2, 2), motion_dual=torch.zeros(1, 2, 2, 2))
+    )
     assert tuple(first) == Regions.names
     assert all(math.isnan(value) for value in first.values())

@@ -37,7 +37,7 @@ def test_information_by_hand():
     np.testing.assert_allclose(temporal, np.log2(1 + variance) * np.log2(1 + change) * change_entropy, rtol=1e-8)
 
 
-def test_the_band_is_pyrtools():
+def test_band_is_pyrtools():
     pyramids = pytest.importorskip("pyrtools").pyramids
     image = torch.rand(1, 112, 131, generator=torch.Generator().manual_seed(0), dtype=torch.float64) * 255
     pyramid = pyramids.SteerablePyramidSpace(image[0].numpy(), height="auto", order=5, edge_type="reflect1")

@@ -14,7 +14,7 @@ from supersampling.metrics.video.vmaf import Vmaf
 
 
 def write_y4m(path, frames):
-    """BT.709, video range, as its formulas stand; the model reads no colour, so that it may be grey."""
+    """Write BT.709 of video range by its formulas, in grey: the model reads no colour."""
     height, width = frames[0].shape[-2:]
     with open(path, "wb") as file:
         file.write(f"YUV4MPEG2 W{width} H{height} F30:1 Ip A1:1 C420\n".encode())
@@ -43,12 +43,12 @@ def test_equals_ffmpeg_on_two_files(film, tmp_path):
         write_y4m(tmp_path / name, frames)
     expected = libvmaf(tmp_path, ["-i", "output.y4m"], ["-i", "target.y4m"])
     assert 5 < expected < 95
-    # swscale rounds its conversion a little otherwise than the formulas
+    # swscale rounds its conversion differently from the formulas.
     assert score(Vmaf(), *film)["vmaf"] == pytest.approx(expected, abs=0.2)
 
 
 def test_equals_ffmpeg_on_lossless_rgb_files(film, tmp_path):
-    """The same conversion, but each film a file of its own: nothing is mixed up or lost on the way through stdin."""
+    """The same conversion with separate files: nothing is mixed up or lost in the transfer through stdin."""
     convert = "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd,format=yuv420p"
     for name, frames in zip(("output", "target"), film):
         (tmp_path / f"{name}.raw").write_bytes(b"".join(to_bytes(f).tobytes() for f in frames))
@@ -74,7 +74,7 @@ def test_user_errors():
         score(Vmaf("no_such_model"), [image], [image])
 
 
-def test_a_clip_that_is_left_early_leaves_no_process(film):
+def test_unfinished_clip_leaves_no_process(film):
     scoring = Vmaf().begin()
     scoring.add(next(moments(*film)))
     process = scoring._process

@@ -9,7 +9,7 @@ from video_clips import blurred, pan, score
 from supersampling.metrics.video.warping import DualMotion, Photometric, WarpingError
 
 
-def test_equals_a_loop_over_pixels_of_a_pan():
+def test_equals_loop_over_pixels_of_pan():
     """Every pixel but the last column was one pixel to the right in the frame before."""
     generator = torch.Generator().manual_seed(0)
     outputs, targets = (
@@ -57,15 +57,15 @@ def test_photometric_weights_by_hand():
     assert values["warping_error_photometric_reference"] == pytest.approx(w * 0.01 / (1 + w), rel=1e-5)
 
 
-def test_a_cut_and_a_single_frame_have_no_value():
+def test_cut_and_single_frame_have_no_value():
     image, beyond = torch.rand(1, 3, 4, 8), torch.full((1, 2, 4, 8), 2.0)
     for count in (1, 2):
         values = score(WarpingError(DualMotion()), [image] * count, [image] * count, [beyond] * 2, [beyond] * 2)
         assert all(math.isnan(value) for value in values.values())
 
 
-def test_blur_beats_a_flickering_reference():
-    """Why the ratio is there: it says that the output changes less along the motion than the reference does."""
+def test_blur_beats_flickering_reference():
+    """The reason for the ratio: it shows that the output changes less along the motion than the reference."""
     targets, motions = pan(4, step=3)  # upsampled, no whole number of low-resolution pixels
     shaded = [t + 0.02 * (-1) ** i * (t > 0.5) for i, t in enumerate(targets)]
     values = score(WarpingError(DualMotion()), blurred(shaded, 3), shaded, motions, motions)

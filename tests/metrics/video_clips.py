@@ -1,9 +1,9 @@
-"""Small made-up clips for the tests of video metrics."""
+"""Small synthetic clips for the tests of video metrics."""
 
 import torch
 import torch.nn.functional as F
 
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.base import Moment
 
 
 def texture(height, width, seed=0):
@@ -13,7 +13,8 @@ def texture(height, width, seed=0):
 
 
 def pan(frames, height=48, width=64, step=2):
-    """The camera moves ``step`` pixels a frame to the right: frames, and their motion at half resolution."""
+    """Return the frames of a camera that moves ``step`` pixels per frame to the right, and their motion at half
+    resolution."""
     wide = texture(height, width + step * frames)
     motion = torch.zeros(1, 2, height // 2, width // 2)
     motion[:, 0] = step / width
@@ -21,7 +22,7 @@ def pan(frames, height=48, width=64, step=2):
 
 
 def passing_square(frames, height=48, width=64, step=4, side=16):
-    """A bright square crosses a background at rest: frames, motion and dual motion at half resolution."""
+    """Return a bright square that crosses a still background: frames, motion and dual motion at half resolution."""
     ground = texture(height, width) * 0.5
     images, motions, duals = [], [], []
     for t in range(frames):
@@ -40,7 +41,7 @@ def passing_square(frames, height=48, width=64, step=4, side=16):
 
 
 def moments(outputs, targets, motions=None, duals=None):
-    """The clip as the moments that a metric gets."""
+    """Yield the moments of a clip."""
     previous = None
     for t, (output, target) in enumerate(zip(outputs, targets)):
         motion = None if motions is None else motions[t]
@@ -50,7 +51,7 @@ def moments(outputs, targets, motions=None, duals=None):
 
 
 def score(metric, outputs, targets, motions=None, duals=None):
-    """A video metric's values for a clip."""
+    """Return the values of a video metric for a clip."""
     with metric.begin() as scoring:
         for moment in moments(outputs, targets, motions, duals):
             scoring.add(moment)
@@ -68,11 +69,11 @@ def blurred(images, radius):
 
 
 def flickering(images, height):
-    """One frame, the third, is brighter."""
+    """Return the images with a brighter fourth frame."""
     return [image + height * (t == 3) for t, image in enumerate(images)]
 
 
 def ghosted(images, weight):
-    """Each frame carries some of the one before."""
+    """Blend each frame with the previous one."""
     before = [images[0], *images[:-1]]
     return [torch.lerp(image, last, weight) for image, last in zip(images, before)]

@@ -5,8 +5,8 @@ import pytest
 import torch
 import torch.nn.functional as F
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.render import capture
 from supersampling.render.check import check_spec
@@ -15,7 +15,21 @@ from supersampling.render.pool import render_files
 from supersampling.scenes.scene import Material, Mesh, Object, Route, Scene, Sky
 
 USUAL = frozenset({"color", "depth", "motion", "jitter", "target"})
-SPEC = CaptureSpec("wall", "train", 3, 4, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)
+SPEC = CaptureSpec(
+    scene="wall",
+    split="train",
+    clips=3,
+    frames=4,
+    targets=4,
+    frame=(192, 108),
+    window=(64, 64),
+    scale=4,
+    jitter="thesis",
+    mip_bias="matched",
+    samples=2,
+    seed=0,
+    candidates=2,
+)
 
 
 def render_file(spec: CaptureSpec, folder, scene: Scene | None = None, names: frozenset[str] = USUAL):
@@ -77,8 +91,8 @@ def test_interrupted_rendering_gives_the_same_bytes(wall, tmp_path, monkeypatch)
 
 
 @pytest.fixture(scope="module")
-def store(wall, tmp_path_factory) -> Store:
-    return Store(render_file(SPEC, tmp_path_factory.mktemp("data"), wall))
+def store(wall, tmp_path_factory) -> DatasetFile:
+    return DatasetFile(render_file(SPEC, tmp_path_factory.mktemp("data"), wall))
 
 
 def test_a_file_says_what_is_needed_to_trust_it(store):

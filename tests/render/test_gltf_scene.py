@@ -10,14 +10,14 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import InstantiationException
 from hydra.utils import instantiate
 
-from supersampling.data.module import Source
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
+from supersampling.data.module import DataSource
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = ["data=smoke", "data.workers=2", "data.train.clips=1", "data.train.frames=4"]
 
 
-def source(root: Path, path: Path | None) -> Source:
+def source(root: Path, path: Path | None) -> DataSource:
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
         cfg = compose("render", ["scene=gltf", f"path={path or 'null'}", f"paths.root={root}", *SMALL])
@@ -37,7 +37,7 @@ def model(path: Path, shade: int = 128) -> Path:
 def test_a_file_becomes_data_whose_name_is_its_content_s(tmp_path):
     names = frozenset({"color", "target"})
     first = source(tmp_path, model(tmp_path / "a" / "board.gltf")).files(["train"], names)["train"][0]
-    store = Store(first)
+    store = DatasetFile(first)
     assert store.spec.scene == "gltf/board"
     assert str(tmp_path) not in store.spec.to_json()
     assert store.read("target", 0, slice(1, None)).std() > 0.02

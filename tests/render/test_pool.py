@@ -10,15 +10,29 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.render.pool import render_files
 from supersampling.render.renderer import Renderer
 
 ROOT = Path(__file__).resolve().parents[2]
 USUAL = frozenset({"color", "motion", "jitter", "target"})
-SPEC = CaptureSpec("foundry", "train", 4, 3, 2, (192, 108), (48, 48), 4, "thesis", "matched", 2, 0, 1)
+SPEC = CaptureSpec(
+    scene="foundry",
+    split="train",
+    clips=4,
+    frames=3,
+    targets=2,
+    frame=(192, 108),
+    window=(48, 48),
+    scale=4,
+    jitter="thesis",
+    mip_bias="matched",
+    samples=2,
+    seed=0,
+    candidates=1,
+)
 COMMAND = """
 import sys
 from pathlib import Path
@@ -96,16 +110,16 @@ def test_only_the_buffers_asked_for_are_rendered_and_stored(tmp_path, monkeypatc
     monkeypatch.setattr(Renderer, "low", spy_low)
     monkeypatch.setattr(Renderer, "high", spy_high)
     path = render_files([SPEC], tmp_path, frozenset({"color", "target"}))[0]
-    assert Store(path).buffers == {"color", "target"}
+    assert DatasetFile(path).buffers == {"color", "target"}
     assert set(asked) == {frozenset({"color"}), frozenset({"target"})}
-    before = Store(path)
+    before = DatasetFile(path)
     first = {name: before.read(name, 0, slice(1, None)) for name in ("color", "target")}
     prints = before.fingerprint(["color", "target"])
     before.close()
     asked.clear()
     path = render_files([SPEC], tmp_path, frozenset({"color", "material", "target"}))[0]
     assert set(asked) == {frozenset({"material"})}  # what is there is not rendered again
-    after = Store(path)
+    after = DatasetFile(path)
     assert after.buffers == {"color", "material", "target"}
     assert after.fingerprint(["color", "target"]) == prints
     for name, values in first.items():

@@ -223,7 +223,7 @@ def test_missing_data_say_what_to_install(tmp_path: Path, monkeypatch: pytest.Mo
 def test_missing_track_and_missing_data_differ(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same name without the game's data, and with data that hold no such track."""
     monkeypatch.delenv("SUPERTUXKART_DATADIR", raising=False)
-    monkeypatch.setattr("supersampling.render.stk.data._DEBIAN", tmp_path)
+    monkeypatch.setattr("supersampling.scenes.stk.data._DEBIAN", tmp_path)
     with pytest.raises(UserError, match=r"^SuperTuxKart's data are not installed: apt-get install supertuxkart-data"):
         load_track(name)
     write_track(tmp_path, "square", "")

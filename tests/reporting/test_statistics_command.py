@@ -59,7 +59,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, dict[str, str]
         if name == "s1":  # as runs of earlier versions are
             client.log_table(ids[name], scored, "clips.json")
         else:
-            write_scores(folder / FILE, Scores.of(scored.assign(frame=0), scored))
+            write_scores(folder / FILE, Scores.with_scene_means(scored.assign(frame=0), scored))
             client.log_artifact(ids[name], str(folder / FILE))
         client.set_terminated(ids[name], "FAILED" if name == "failed" else "FINISHED")
     return uri, ids

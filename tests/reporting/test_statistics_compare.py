@@ -178,7 +178,7 @@ def test_what_is_printed_says_what_it_speaks_about():
     assert "b: tus, not trained, run t0" in printed
     assert "36 clips of 9 scenes" in printed
     assert "two seeds" in printed
-    assert "does not state which way is better" in printed
+    assert "unknown which way is better" in printed
     one_clip = {name: found[:1] for name, found in tables().items()}
     assert "1 clip of 1 scene: one clip has no interval" in text(A, B, compare(A, B, one_clip), one_clip)
     alone = Group(A.setting, A.runs[:1])

@@ -18,7 +18,21 @@ def write(folder: Path, names: Collection[str] = tuple(BUFFERS), clips: int = 2,
     """A file of random buffers of the right shapes, ``given`` ones ``(h, w, C)`` the same in every frame instead."""
     width, height = LOW[0] * SCALE, LOW[1] * SCALE
     size = (width, height)
-    spec = CaptureSpec("made_up", "test", clips, FRAMES, TARGETS, size, size, SCALE, "thesis", "matched", 1, 0, 1)
+    spec = CaptureSpec(
+        scene="made_up",
+        split="test",
+        clips=clips,
+        frames=FRAMES,
+        targets=TARGETS,
+        frame=size,
+        window=size,
+        scale=SCALE,
+        jitter="thesis",
+        mip_bias="matched",
+        samples=1,
+        seed=0,
+        candidates=1,
+    )
     rng = np.random.default_rng(0)
     parts = []
     for clip in range(clips):

@@ -19,7 +19,7 @@ from supersampling.show.sheet import Panel, Section, compose, display_size, fit
         ((1920, 1080), 3, 1000, (640, 360)),
     ],
 )
-def test_the_size_shown(target, scale, width, shown):
+def test_display_size(target, scale, width, shown):
     assert display_size(target, scale, width) == shown
 
 
@@ -50,7 +50,7 @@ def test_long_labels_stay_in_their_column():
     assert (sheet[:, 94:] == GROUND).all()
 
 
-def test_the_legend_shows_the_colour_of_each_direction():
+def test_legend_shows_the_colour_of_each_direction():
     from supersampling.show import paint
 
     disc = wheel((200, 160), 3.0)

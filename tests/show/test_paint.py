@@ -19,7 +19,7 @@ def hue(rgb):
     return 360.0 * colorsys.rgb_to_hsv(*(float(c) / 255.0 for c in rgb))[0]
 
 
-def test_directions_have_the_wheel_s_hues():
+def test_directions_have_the_hues_of_the_wheel():
     """Baker et al. 2007: right is red, down yellow, left cyan, up violet."""
     picture = paint.motion(vectors(*DIRECTIONS.values()), 1.0)[0]
     hues = dict(zip(DIRECTIONS, map(hue, picture)))
@@ -37,7 +37,7 @@ def test_no_motion_is_white_and_length_is_saturation():
     assert (picture[4] == picture[3]).all()  # beyond the scale: as at its end
 
 
-def test_the_scale_is_the_given_one_whatever_else_the_picture_holds():
+def test_scale_does_not_depend_on_the_rest_of_the_picture():
     alone, beside = paint.motion(vectors((1, 1)), 4.0), paint.motion(vectors((1, 1), (3, -2)), 4.0)
     assert (alone[0, 0] == beside[0, 0]).all()
 
@@ -75,12 +75,12 @@ def test_reflectance_goes_through_the_srgb_curve():
     assert picture[0, :, 0].tolist() == [0, 10, 128, 255, 255]  # IEC 61966-2-1
 
 
-def test_a_stop_doubles():
+def test_stop_doubles():
     dim, bright = np.full((3, 1, 1), 0.1, dtype=np.float32), np.full((3, 1, 1), 0.4, dtype=np.float32)
     assert (paint.light(dim, 2) == paint.light(bright, 0)).all()
 
 
-def test_a_normal_towards_the_camera_is_the_usual_blue():
+def test_normal_towards_the_camera_is_the_usual_blue():
     assert paint.normal(np.array([0, 0, 1], dtype=np.float32)[:, None, None])[0, 0].tolist() == [
         128,
         128,
@@ -88,7 +88,7 @@ def test_a_normal_towards_the_camera_is_the_usual_blue():
     ]
 
 
-def test_a_mask_is_red_where_it_is_and_nowhere_else():
+def test_mask_is_red_and_other_pixels_are_not():
     picture = np.full((2, 2, 3), (200, 40, 40), dtype=np.uint8)  # reddish itself
     mask = np.array([[True, False], [False, False]])
     excess = paint.masked(picture, mask).astype(int) @ (1.0, -0.5, -0.5)

@@ -1,13 +1,13 @@
-"""Which panels a file gets, and that what they say is so."""
+"""The panels of a file and their notes."""
 
 import numpy as np
 import pytest
 from show_files import LOW, write
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.frames import BUFFERS
 from supersampling.show import paint
-from supersampling.show.clip import Clip
+from supersampling.show.clip import ClipView
 from supersampling.show.panels import buffer_panel, jitter_panel, sections
 from supersampling.show.scales import Scales, depth_range, exposure
 
@@ -23,36 +23,36 @@ PLAIN = Scales(stops=0, nearest=0.0, farthest=1.0, motion=1.0)
 
 @pytest.fixture
 def clip_of(tmp_path):
-    stores = []
+    files = []
 
-    def make(*args, **given):
-        stores.append(Store(write(tmp_path, *args, **given)))
-        return Clip(stores[-1], 0)
+    def make(*args, **images):
+        files.append(DatasetFile(write(tmp_path, *args, **images)))
+        return ClipView(files[-1], 0)
 
     yield make
-    for store in stores:
-        store.close()
+    for file in files:
+        file.close()
 
 
 def titles(clip, frame=4):
     return [panel.title for section in sections(clip, frame, (64, 48)) for panel in section.panels]
 
 
-def test_a_file_of_all_buffers_gets_every_panel(clip_of):
-    found = titles(clip_of())
-    assert sorted(found) == sorted({*BUFFERS, *DERIVED, "motion's colours"})
-    assert found.index("motion_dual") == found.index("motion") + 1
+def test_file_of_all_buffers_gets_every_panel(clip_of):
+    shown = titles(clip_of())
+    assert sorted(shown) == sorted({*BUFFERS, *DERIVED, "motion's colours"})
+    assert shown.index("motion_dual") == shown.index("motion") + 1
 
 
-def test_colour_and_target_alone_get_two_panels(clip_of):
+def test_colour_and_target_only_get_two_panels(clip_of):
     assert titles(clip_of(("color", "target"))) == ["color", "target"]
 
 
-def test_a_frame_without_a_target_gets_no_high_resolution_panel(clip_of):
-    found = titles(clip_of(), frame=1)
-    assert "color" in found
-    assert "lighting" in found
-    assert not [title for title in found if title.startswith(("high_", "target", "|", "previous"))]
+def test_frame_without_target_gets_no_high_resolution_panel(clip_of):
+    shown = titles(clip_of(), frame=1)
+    assert "color" in shown
+    assert "lighting" in shown
+    assert not [title for title in shown if title.startswith(("high_", "target", "|", "previous"))]
 
 
 @pytest.mark.parametrize("missing", ["radiance", "material", "emission"])
@@ -61,13 +61,13 @@ def test_lighting_needs_all_three(missing, clip_of):
 
 
 def test_lighting_is_radiance_less_emission_over_material(clip_of):
-    given = {"radiance": 1.0, "material": 0.25, "emission": 0.5}
-    images = {name: np.full((LOW[1], LOW[0], 3), value) for name, value in given.items()}
-    [panel] = sections(clip_of(given, **images), 4, (64, 48))[2].panels
+    values = {"radiance": 1.0, "material": 0.25, "emission": 0.5}
+    images = {name: np.full((LOW[1], LOW[0], 3), value) for name, value in values.items()}
+    [panel] = sections(clip_of(images, **images), 4, (64, 48))[2].panels
     assert panel.note.startswith("all 2,")
 
 
-def test_the_label_has_the_range(clip_of):
+def test_label_has_the_range(clip_of):
     roughness = np.full((LOW[1], LOW[0], 1), 0.25)
     roughness[3, 2], roughness[7, 9] = 0.125, 0.75
     panel = buffer_panel(clip_of(("roughness",), roughness=roughness), 0, "roughness", PLAIN)
@@ -84,22 +84,22 @@ def test_broken_pixels_stand_out_and_are_counted(clip_of):
     assert panel.note.startswith("2 pixels are not finite")
 
 
-def test_motion_is_told_in_low_resolution_pixels(clip_of):
+def test_motion_is_stated_in_low_resolution_pixels(clip_of):
     """0.25 of 16 pixels along x and 0.25 of 12 along y: 5 pixels."""
     clip = clip_of(("motion",), motion=np.full((LOW[1], LOW[0], 2), 0.25))
-    scales = Scales.of(clip, 0)
+    scales = Scales.measure(clip, 0)
     assert scales.motion == 5.0
     assert buffer_panel(clip, 0, "motion", scales).note.startswith("up to 5 px")
 
 
-def test_the_mask_s_share(clip_of):
+def test_share_of_the_mask(clip_of):
     motion, dual = np.zeros((LOW[1], LOW[0], 2)), np.zeros((LOW[1], LOW[0], 2))
     dual[:3, :, 0] = 0.5 / LOW[0]
     derived = sections(clip_of(("motion", "motion_dual"), motion=motion, motion_dual=dual), 4, (64, 48))[2]
     assert [panel.note.split(" ")[0] for panel in derived.panels] == ["25.0%"]
 
 
-def test_jitter_is_drawn_where_it_is(clip_of):
+def test_jitter_is_drawn_at_its_position(clip_of):
     """x right, y down, in a square that leaves 8 pixels free at the nearer edges."""
     clip = clip_of(("jitter",), jitter=np.array([0.25, -0.375]))
     picture = jitter_panel(clip, 0, (216, 116)).picture.astype(int)
@@ -115,7 +115,7 @@ def test_exposure_brings_bright_parts_to_one(value, stops):
     assert exposure(image) == stops
 
 
-def test_the_sky_does_not_stretch_the_depth_range():
+def test_sky_does_not_stretch_the_depth_range():
     depth = np.array([[[0.125, 0.25, 1.0]]], dtype=np.float32)
     assert depth_range(depth) == (0.125, 0.25)
     assert depth_range(np.ones((1, 2, 2), dtype=np.float32)) == (0.0, 1.0)

@@ -8,7 +8,7 @@ import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.training.job import fitting_buffers, scoring_buffers
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,4 +41,4 @@ def test_a_bicubic_run_renders_colour_alone(tmp_path):
     files = list(tmp_path.rglob("*.h5"))
     assert len(files) == 3
     for path in files:
-        assert Store(path).buffers == FRAME
+        assert DatasetFile(path).buffers == FRAME

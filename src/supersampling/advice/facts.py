@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 from supersampling.ops.motion_mask import motion_mask
 from supersampling.scenes.manifest import load_manifest
@@ -121,7 +121,7 @@ def measure(paths: Sequence[Path], scenes: Sequence[str]) -> dict[str, Fact]:
     found: dict[str, list[float]] = defaultdict(list)
     lacking: set[str] = set()
     for path in paths:
-        store = Store(path)
+        store = DatasetFile(path)
         for name, (buffers, of_clip, _, _) in MEASURES.items():
             if not store.buffers.issuperset(buffers):
                 lacking.add(name)

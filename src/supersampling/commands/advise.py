@@ -15,8 +15,8 @@ from supersampling.advice.settings import settings_of
 from supersampling.advice.space import Space
 from supersampling.advice.trainings import Composed
 from supersampling.config import key_of, typed_overrides
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.module import fingerprint
-from supersampling.data.store import Store
 from supersampling.runs.experiment import experiment_of
 from supersampling.runs.keys import Effect, effect_of
 from supersampling.training.job import data_files
@@ -73,7 +73,7 @@ def _held(space: Space) -> tuple[Space, list[Reason]]:
     held: list[frozenset[str]] = []
     for split in ("train", "val", "test"):
         for name in plain.cfg.data[split]:
-            store = Store(Path(name))
+            store = DatasetFile(Path(name))
             held.append(store.buffers)
             store.close()
     if not held:
@@ -84,7 +84,7 @@ def _held(space: Space) -> tuple[Space, list[Reason]]:
 def _scenes(test: Sequence[Path]) -> list[str]:
     names = []
     for path in test:
-        store = Store(path)
+        store = DatasetFile(path)
         names.append(store.spec.scene)
         store.close()
     return names

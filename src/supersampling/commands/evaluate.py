@@ -9,13 +9,19 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 
 from supersampling import settings
-from supersampling.data.module import Source, fingerprint
+from supersampling.data.module import DataSource, fingerprint
 from supersampling.evaluation import result
 from supersampling.evaluation.folder import clip_files
-from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, Targets, recorded_methods
+from supersampling.evaluation.playback import (
+    DisplayImages,
+    Playback,
+    RadianceImages,
+    TargetImages,
+    read_recorded_methods,
+)
 from supersampling.evaluation.result import Result
 from supersampling.evaluation.score import evaluation_requires
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment, experiment_of
@@ -59,14 +65,14 @@ def evaluate(cfg: DictConfig) -> None:
 
 
 def _test_files(cfg: DictConfig, model: Upsampler, metrics: Metrics) -> list[Path]:
-    source: Source = instantiate(cfg.data)
+    source: DataSource = instantiate(cfg.data)
     return source.files(["test"], evaluation_requires(model, metrics))["test"]
 
 
 def _score_recordings(experiment: Experiment, cfg: DictConfig) -> None:
-    files = _test_files(cfg, Playback(cfg.task.scale, Targets([])), instantiate(cfg.metrics))
+    files = _test_files(cfg, Playback(cfg.task.scale, TargetImages([])), instantiate(cfg.metrics))
     sanity = score_sanity(cfg, files, experiment)
-    methods = recorded_methods(Path(cfg.capture), files) if cfg.capture else _methods_of_folder(cfg, files)
+    methods = read_recorded_methods(Path(cfg.capture), files) if cfg.capture else _methods_of_folder(cfg, files)
     for name, model in methods.items():
         method = Untrained(kind="job", name=name, model=model, content=model.recording.fingerprint)
         scores, _ = score_once(cfg, experiment, method, files)

@@ -13,7 +13,7 @@ from omegaconf import DictConfig
 from torch import Tensor
 
 from supersampling import settings
-from supersampling.data.module import Source
+from supersampling.data.module import DataSource
 from supersampling.deploy import graph
 from supersampling.deploy.check import Difference, at_other_sizes, compare, random_frames, recorded_frames
 from supersampling.deploy.describe import describe
@@ -135,7 +135,7 @@ def _said(difference: Difference) -> str:
 
 def _frames(cfg: DictConfig, model: Upsampler, graphs: Graphs, jitters: Tensor | None) -> Iterator[Frame]:
     if cfg.frames == "data":
-        source: Source = instantiate(cfg.data)
+        source: DataSource = instantiate(cfg.data)
         files = source.files(["test"], model.requires)["test"]
         return recorded_frames(files[0], model.requires, graphs.size, graphs.multiple, cfg.check)
     width, height = (n // MULTIPLES[-1] * MULTIPLES[-1] for n in CHECKED_SIZE)

@@ -7,9 +7,9 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig
 from PIL import Image
 
-from supersampling.data.module import Source
+from supersampling.data.dataset_file import DatasetFile
+from supersampling.data.module import DataSource
 from supersampling.data.spec import SPLITS
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
@@ -28,7 +28,7 @@ def render(cfg: DictConfig) -> None:
     buffers = frozenset(BUFFERS if cfg.buffers == "all" else cfg.buffers)
     if cfg.pictures:
         buffers |= {"color", "target"}
-    source: Source = instantiate(cfg.data)
+    source: DataSource = instantiate(cfg.data)
     files = source.files(list(cfg.splits), buffers)
     for split, paths in files.items():
         for path in paths:
@@ -39,7 +39,7 @@ def render(cfg: DictConfig) -> None:
 
 def save_picture(path: Path) -> Path:
     """Write a PNG beside a data set file: the last input of the first clip, enlarged, and its target, side by side."""
-    store = Store(path)
+    store = DatasetFile(path)
     color, target = (store.read(name, 0, slice(-1, None))[0].transpose(1, 2, 0) for name in ("color", "target"))
     store.close()
     scale = target.shape[0] // color.shape[0]

@@ -1,4 +1,4 @@
-"""Changes of a training sample that keep it true: the same scene seen in a mirror, turned, or in other colours."""
+"""Changes of a training sample that keep it consistent: mirrored, rotated, or in different colours."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,8 @@ Item = Mapping[str, NDArray[np.float32]]
 
 
 class Augment(ABC):
-    """``augment(item, rng) -> item``; buffers are ``(T, C, h, w)`` and square, ``jitter`` is ``(T, 2)``."""
+    """Base class of ``augment(item, rng) -> item``; buffers are ``(T, C, h, w)`` and square, ``jitter`` is ``(T,
+    2)``."""
 
     @abstractmethod
     def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]: ...
@@ -22,7 +23,7 @@ class Augment(ABC):
 
 @final
 class NoAugmentation(Augment):
-    """Samples as they were rendered, as the thesis has it."""
+    """Samples as rendered, as in the thesis."""
 
     def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]:
         return dict(item)
@@ -30,25 +31,28 @@ class NoAugmentation(Augment):
 
 @final
 class Colours(Augment):
-    """One of the six orders of the colour channels and a gain, drawn for the whole sample.
+    """Random order of the colour channels and random gain, the same for the whole sample.
 
-    Upsampling is linear in display-referred colour, so that a darker sample is as true as the rendered one. Light of every
-    kind takes the gain, reflectances only the order: radiance = material * lighting still holds.
+    Upsampling is linear in display-referred colour, so that a darker sample is as valid as the rendered one. The gain
+    applies to all kinds of light, but not to reflectances, whose channels are only reordered: radiance = material *
+    lighting still holds.
 
     Args:
-        darkest: the smallest gain, in (0, 1]; 1 keeps the brightness.
+        darkest: the smallest gain, in (0, 1]; 1 preserves the brightness.
     """
 
     def __init__(self, darkest: float) -> None:
         if not 0.0 < darkest <= 1.0:
-            raise UserError(f"augment.darkest must lie in (0, 1], got {darkest}; 0.4 is the default.")
+            raise UserError(
+                f"Invalid augment.darkest={darkest}: use a number above 0 and at most 1; 0.4 is the default."
+            )
         self.darkest = darkest
 
     def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]:
         order, gain = rng.permutation(3), np.float32(rng.uniform(self.darkest, 1.0))
-        return {name: self._changed(name, values, order, gain) for name, values in item.items()}
+        return {name: self._recolour(name, values, order, gain) for name, values in item.items()}
 
-    def _changed(
+    def _recolour(
         self, name: str, values: NDArray[np.float32], order: NDArray[np.int64], gain: np.float32
     ) -> NDArray[np.float32]:
         kind = BUFFERS[name].kind
@@ -59,9 +63,9 @@ class Colours(Augment):
 
 @final
 class Symmetries(Augment):
-    """One of the square's eight symmetries, drawn for the whole sample.
+    """Random one of the eight symmetries of a square, the same for the whole sample.
 
-    A mirror turns the sign of that component of jitter, motion and normals, a transposition exchanges the components.
+    A mirror changes the sign of one component of jitter, motion and normals; a transposition swaps the components.
     """
 
     def __call__(self, item: Item, rng: np.random.Generator) -> dict[str, NDArray[np.float32]]:
@@ -85,7 +89,7 @@ class Symmetries(Augment):
 
 @final
 class Chain(Augment):
-    """One after another."""
+    """Several augmentations, applied in order."""
 
     def __init__(self, steps: Sequence[Augment]) -> None:
         self._steps = tuple(steps)

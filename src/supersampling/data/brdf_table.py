@@ -1,4 +1,4 @@
-"""The pre-integrated BRDF table, made once and kept: in the process, and in a cache folder on disk."""
+"""The pre-integrated BRDF table, cached in the process and in a folder on disk."""
 
 import contextlib
 import functools
@@ -12,67 +12,71 @@ from torch import Tensor
 
 from supersampling.ops.brdf import integrate_table
 
-VERSION = 1  # raise it when `integrate_table` gives other values: files of another version are not looked at
+# Increase it when the values of `integrate_table` change: files of other versions are ignored.
+VERSION = 1
 
 
 def cache_folder() -> Path:
-    """``$SUPERSAMPLING_CACHE``, else ``$XDG_CACHE_HOME/supersampling``, else ``~/.cache/supersampling``.
+    """Return ``$SUPERSAMPLING_CACHE``, else ``$XDG_CACHE_HOME/supersampling``, else ``~/.cache/supersampling``.
 
     Raises:
-        RuntimeError: neither variable is set, and the user has no home.
+        RuntimeError: neither variable is set, and the user has no home folder.
     """
-    if own := os.environ.get("SUPERSAMPLING_CACHE"):
-        return Path(own).expanduser()
+    if folder := os.environ.get("SUPERSAMPLING_CACHE"):
+        return Path(folder).expanduser()
     if shared := os.environ.get("XDG_CACHE_HOME"):
         return Path(shared) / "supersampling"
     return Path.home() / ".cache" / "supersampling"
 
 
-# A validation loop may ask first: a tensor made in its inference mode would bar training from gradients.
+# The first call may come from a validation loop: a tensor created in its inference mode cannot take part in training.
 @functools.cache
 @torch.inference_mode(False)
 def brdf_table(size: int = 512, samples: int = 1024) -> Tensor:
-    """The table of `supersampling.ops.brdf.integrate_table`, ``(2, size, size)`` float32: read from disk, or made and written.
+    """Return the table of `supersampling.ops.brdf.integrate_table`, ``(2, size, size)`` float32, and cache it on disk.
 
-    A file that is truncated or not such a table is replaced. Where the folder cannot be written, the table is kept in memory
-    only. Every call of a process returns the same tensor: do not write to it.
+    A truncated or invalid file is replaced. If the folder cannot be written, the table stays in memory only. Every call
+    in a process returns the same tensor: do not write to it.
     """
     path = None
-    with contextlib.suppress(RuntimeError):  # no home
+    # The user may have no home folder.
+    with contextlib.suppress(RuntimeError):
         path = cache_folder() / f"brdf_v{VERSION}_{size}_{samples}.npy"
-    kept = None if path is None else _read(path, size)
-    if kept is not None:
-        return kept
+    cached = None if path is None else _read(path, size)
+    if cached is not None:
+        return cached
     table = integrate_table(size, samples)
     if path is not None:
-        with contextlib.suppress(OSError):  # read-only, full or no folder: the next process makes it again
+        # The folder may be read-only, full or missing: the next process then computes the table again.
+        with contextlib.suppress(OSError):
             _write(path, table)
     return table
 
 
 def _read(path: Path, size: int) -> Tensor | None:
-    """The table in a file, or none if it holds anything else."""
+    """Return the table in a file; None if the file is not a valid table."""
     try:
         with path.open("rb") as file:
             values = np.load(file, allow_pickle=False)
-    except Exception:  # NumPy's errors about a damaged file are of a dozen kinds, and all mean the same here
+    # NumPy raises a dozen kinds of errors for damaged files, which all mean the same here.
+    except Exception:
         return None
     if not isinstance(values, np.ndarray) or values.dtype != np.float32 or values.shape != (2, size, size):
         return None
-    # Blocks that a crash left as zeros, or noise: A and B are above 0 everywhere, and their sum at most 1.
+    # A crash may leave blocks of zeros or noise: A and B are positive everywhere, and their sum is at most 1.
     if not (values.min() > 0.0 and values.sum(axis=0).max() <= 1.0 + 1e-5):
         return None
     return torch.from_numpy(values)
 
 
 def _write(path: Path, table: Tensor) -> None:
-    """Write beside and rename, so that another process reads all of it or nothing."""
+    """Write a temporary file and rename it, so that other processes never read a part of the table."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".part", delete=False) as file:
-        beside = Path(file.name)
+        temporary = Path(file.name)
         try:
             np.save(file, table.numpy(force=True), allow_pickle=False)
             file.close()
-            beside.replace(path)
+            temporary.replace(path)
         finally:
-            beside.unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""A data set file that is made clip by clip: resumable after a kill at any moment, by several processes at once."""
+"""A data set file that several processes write clip by clip, and that is resumable after a kill at any moment."""
 
 import shutil
 from collections.abc import Callable, Mapping
@@ -7,8 +7,8 @@ from pathlib import Path
 import h5py
 from filelock import FileLock, Timeout
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import Store
 from supersampling.data.writer import ClipWriter, buffers_in, join_clips
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
@@ -19,9 +19,9 @@ WriteClip = Callable[[int, ClipWriter, frozenset[str]], None]
 class ClipwiseFile:
     """The buffers ``names`` of ``spec`` as one file under ``folder``.
 
-    Clips are kept one by one in a folder beside the file until all are there; then they are joined, and the file is renamed into
-    place. One under way is claimed by a lock, which the system lets go when its process dies. Buffers that a finished file
-    lacks join it in the same way.
+    Clips are separate files in a folder next to the file until all are finished; then they are joined, and the result
+    is renamed to its final name. A clip in progress is locked; the system releases the lock if the process dies.
+    Buffers that are missing in a finished file are added in the same way.
     """
 
     def __init__(self, spec: CaptureSpec, folder: Path, names: frozenset[str]) -> None:
@@ -30,30 +30,30 @@ class ClipwiseFile:
         self._lock = folder / f".{spec.file_name}.lock"
 
     def missing(self) -> frozenset[str]:
-        """The buffers that the file lacks.
+        """Return the buffers that are missing in the file.
 
         Raises:
-            UserError: the file is truncated, or holds something else than its name says.
+            UserError: the file is truncated, or its content does not match its name.
         """
         if not self.path.exists():
             return self._names
-        store = Store(self.path)
-        held, buffers = store.spec, store.buffers
-        store.close()
-        if held != self.spec:
-            raise UserError(f"{self.path} holds {held.to_json()}, which is not what its name says: remove the file.")
+        file = DatasetFile(self.path)
+        spec, buffers = file.spec, file.buffers
+        file.close()
+        if spec != self.spec:
+            raise UserError(f"{self.path} holds {spec.to_json()}, which does not match its name: remove the file.")
         return self._names - buffers
 
     def waiting(self) -> list[int]:
-        """The clips that are still to be made."""
+        """Return the clips that are not finished."""
         missing = self.missing()
         return [k for k in range(self.spec.clips) if not self._has(k, missing)] if missing else []
 
     def work(self, write: WriteClip, attributes: Mapping[str, str]) -> None:
-        """Make every clip that no other process is at, and join them if all are there.
+        """Write every clip that no other process is writing, and join the clips if all are finished.
 
-        ``write(clip, writer, names)`` writes all frames of those buffers; what it notes of a clip, and ``attributes``, become
-        the file's.
+        ``write(clip, writer, names)`` writes all frames of the buffers ``names``; its notes on the clip, and
+        ``attributes``, become attributes of the file.
 
         Raises:
             UserError: the folder cannot be written.
@@ -63,10 +63,10 @@ class ClipwiseFile:
                 self.parts.mkdir(parents=True, exist_ok=True)
             except OSError as error:
                 raise UserError(
-                    f"Cannot make the folder {self.parts}: {error.strerror}. Set paths.data to another one."
+                    f"Cannot create the folder {self.parts} ({error.strerror}): set paths.data to another folder."
                 ) from error
         for clip in self.waiting():
-            self._make(clip, write)
+            self._write_clip(clip, write)
         if not self.waiting():
             self._join(attributes)
 
@@ -76,10 +76,11 @@ class ClipwiseFile:
     def _has(self, clip: int, names: frozenset[str]) -> bool:
         try:
             return names <= buffers_in(self._part(clip))
-        except FileNotFoundError:  # another process has just finished the file
+        # Another process has just finished the file.
+        except FileNotFoundError:
             return False
 
-    def _make(self, clip: int, write: WriteClip) -> None:
+    def _write_clip(self, clip: int, write: WriteClip) -> None:
         part = self._part(clip)
         try:
             with FileLock(part.with_suffix(".lock"), timeout=0):
@@ -96,7 +97,7 @@ class ClipwiseFile:
                 raise
 
     def _lengths(self, names: frozenset[str]) -> dict[str, int]:
-        """How many frames of a clip have each of these buffers."""
+        """Return the number of frames per clip that have each of these buffers."""
         spec = self.spec
         return {n: spec.targets if BUFFERS[n].resolution == "high" else spec.frames for n in sorted(names)}
 
@@ -106,7 +107,7 @@ class ClipwiseFile:
             if missing:
                 parts = [self._part(k) for k in range(self.spec.clips)]
                 with h5py.File(parts[0], "r") as first:
-                    noted = {str(key): str(value) for key, value in first.attrs.items()}
-                join_clips(self.path, self.spec, parts, missing, noted | dict(attributes))
+                    notes = {str(key): str(value) for key, value in first.attrs.items()}
+                join_clips(self.path, self.spec, parts, missing, notes | dict(attributes))
         if self.parts.exists():
             shutil.rmtree(self.parts, ignore_errors=True)

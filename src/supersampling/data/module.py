@@ -1,4 +1,4 @@
-"""Where clips come from (rendered on demand, or the user's own files) and the loaders over them."""
+"""Sources of data set files (rendered on demand, or named by the user), and the data loaders."""
 
 import hashlib
 from abc import ABC, abstractmethod
@@ -10,22 +10,23 @@ from torch import Tensor
 from torch.utils.data import DataLoader
 
 from supersampling.data.clips import FreshIndices, WholeClips, WindowDataset
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 
 
-class Source(ABC):
-    """Gives the data set files of each split, with at least the ``buffers`` that are asked for."""
+class DataSource(ABC):
+    """Base class of the sources of data set files."""
 
     @abstractmethod
-    def files(self, splits: Sequence[str], buffers: frozenset[str]) -> dict[str, list[Path]]: ...
+    def files(self, splits: Sequence[str], buffers: frozenset[str]) -> dict[str, list[Path]]:
+        """Return the files of each split, which have at least the ``buffers``."""
 
 
-class Files(Source):
-    """Files that the user names; their scale has to be the task's.
+class Files(DataSource):
+    """Files that the user names; their scale has to be that of the task.
 
     Raises:
-        UserError: no file for a split, or one of another scale.
+        UserError: a split has no file, or a file has a different scale.
     """
 
     def __init__(self, scale: int, train: Sequence[str], val: Sequence[str], test: Sequence[str]) -> None:
@@ -33,41 +34,47 @@ class Files(Source):
         self._paths = {"train": list(train), "val": list(val), "test": list(test)}
 
     def files(self, splits: Sequence[str], buffers: frozenset[str]) -> dict[str, list[Path]]:
-        return {split: self._checked(split, buffers) for split in splits}
+        return {split: self._check(split, buffers) for split in splits}
 
-    def _checked(self, split: str, buffers: frozenset[str]) -> list[Path]:
+    def _check(self, split: str, buffers: frozenset[str]) -> list[Path]:
         paths = [Path(p) for p in self._paths[split]]
         if not paths:
-            raise UserError(f"data=files needs data.{split}=[FILE.h5, ...]: no {split} file was named.")
+            raise UserError(
+                f"No {split} file is set: name one or more with data.{split}=[FILE.h5, ...], as data=files requires."
+            )
         for path in paths:
-            store = Store(path)
-            scale, missing = store.spec.scale, sorted(buffers - store.buffers)
-            store.close()
+            file = DatasetFile(path)
+            scale, missing = file.spec.scale, sorted(buffers - file.buffers)
+            file.close()
             if scale != self._scale:
                 raise UserError(
-                    f"{path} was rendered for scale {scale}, but task.scale={self._scale}: set task.scale={scale} or "
-                    "name another file."
+                    f"{path} was rendered for scale {scale}, but task.scale={self._scale}: set task.scale={scale}, or "
+                    "use another file."
                 )
             if missing:
                 raise UserError(
                     f"{path} has no {missing[0]}, which this configuration reads: render or import it with "
-                    f"buffers=[{','.join(missing)}], or choose a method and metrics (metrics=capture) that do without."
+                    f"buffers=[{','.join(missing)}], or select a method and metrics (metrics=capture) that do not read "
+                    "it."
                 )
         return paths
 
 
 def fingerprint(paths: Sequence[Path], names: Iterable[str]) -> str:
-    """One fingerprint of these buffers of several files, independent of their order and place."""
+    """Return one fingerprint of these buffers of several files, independent of the files' order and folders."""
     parts = []
     for path in paths:
-        store = Store(path)
-        parts.append(store.fingerprint(sorted(names)))
-        store.close()
+        file = DatasetFile(path)
+        parts.append(file.fingerprint(sorted(names)))
+        file.close()
     return hashlib.sha256("".join(sorted(parts)).encode()).hexdigest()[:16]
 
 
 class Loaders(L.LightningDataModule):
-    """Training windows and whole validation clips. ``batch`` and ``steps`` an epoch; ``workers`` cannot change a result."""
+    """Loaders of training windows and of whole validation clips.
+
+    An epoch has ``steps`` batches of ``batch`` windows; ``workers`` cannot change a result.
+    """
 
     def __init__(self, train: WindowDataset, val: WholeClips, *, batch: int, steps: int, workers: int) -> None:
         super().__init__()

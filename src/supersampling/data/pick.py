@@ -1,4 +1,4 @@
-"""Which window a training sample shows, of those that chance proposes."""
+"""The selection of the window of a training sample among random proposals."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from supersampling.errors import UserError
 
-EDGE = 0.5  # target pixels a frame
+EDGE = 0.5  # target pixels per frame
 
 
-@dataclass(frozen=True)
-class Place:
-    """A window of a clip: the file and clip, the frame after its last one, and its low-resolution corner ``x, y``."""
+@dataclass(frozen=True, kw_only=True)
+class ClipWindow:
+    """A window of a clip: its file and clip, the frame after its last one, and its low-resolution corner ``x, y``."""
 
     file: int
     clip: int
@@ -25,9 +25,10 @@ class Place:
 
 
 def motion_edges(pixels: NDArray[np.floating]) -> float:
-    """The share of pixels whose motion ``(..., h, w, 2)``, in target pixels, differs from a neighbour's by over half a pixel.
+    """Return the share of pixels whose motion ``(..., h, w, 2)``, in target pixels, differs from a neighbour's by over
+    0.5.
 
-    These are the places where something comes out from behind something else.
+    There, surfaces come into view from behind others.
     """
     x = np.linalg.norm(np.diff(pixels, axis=-2), axis=-1) > EDGE
     y = np.linalg.norm(np.diff(pixels, axis=-3), axis=-1) > EDGE
@@ -35,7 +36,7 @@ def motion_edges(pixels: NDArray[np.floating]) -> float:
 
 
 class Pick(ABC):
-    """``pick(propose, motion) -> place``; ``motion(place)`` is ``(T, h, w, 2)`` in target pixels.
+    """Base class of ``pick(propose, motion) -> window``; ``motion(window)`` is ``(T, h, w, 2)`` in target pixels.
 
     ``requires`` names the buffers that it reads.
     """
@@ -43,29 +44,35 @@ class Pick(ABC):
     requires: frozenset[str]
 
     @abstractmethod
-    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place: ...
+    def __call__(
+        self, propose: Callable[[], ClipWindow], motion: Callable[[ClipWindow], NDArray[np.floating]]
+    ) -> ClipWindow: ...
 
 
 @final
 class Uniform(Pick):
-    """The first proposal: every window is as likely as any other (Swensen 2021, 4.3.2)."""
+    """The first proposal: all windows have the same probability (Swensen 2021, 4.3.2)."""
 
     requires = frozenset[str]()
 
-    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place:
+    def __call__(
+        self, propose: Callable[[], ClipWindow], motion: Callable[[ClipWindow], NDArray[np.floating]]
+    ) -> ClipWindow:
         return propose()
 
 
 @final
 class MostEdges(Pick):
-    """Of ``looks`` proposals the one with the most motion edges: history fails there, and most windows hold few of them."""
+    """The proposal with the most motion edges of ``looks``: history fails there, and most windows have few of them."""
 
     requires = frozenset({"motion"})
 
     def __init__(self, looks: int) -> None:
         if looks < 1:
-            raise UserError(f"pick.looks must be at least 1, got {looks}; pick=uniform takes every window.")
+            raise UserError(f"Invalid pick.looks={looks}: use at least 1, or pick=uniform for the first proposal.")
         self.looks = looks
 
-    def __call__(self, propose: Callable[[], Place], motion: Callable[[Place], NDArray[np.floating]]) -> Place:
-        return max((propose() for _ in range(self.looks)), key=lambda place: motion_edges(motion(place)))
+    def __call__(
+        self, propose: Callable[[], ClipWindow], motion: Callable[[ClipWindow], NDArray[np.floating]]
+    ) -> ClipWindow:
+        return max((propose() for _ in range(self.looks)), key=lambda window: motion_edges(motion(window)))

@@ -1,4 +1,4 @@
-"""What a data set file shows: everything that decides the content of its buffers, whichever of them it holds."""
+"""The specification of a data set file: all that determines the content of its buffers, whichever of them it holds."""
 
 import hashlib
 import json
@@ -8,15 +8,16 @@ SCHEMA_VERSION = 3
 SPLITS = ("train", "val", "test")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CaptureSpec:
-    """One file: one scene, one split.
+    """The specification of one file: one scene, one split.
 
-    ``frame`` is the whole target frame ``(width, height)`` in pixels, ``window`` the part that each clip keeps (equal to
-    ``frame`` for whole frames), both before they are rounded down to a multiple of ``scale``. The last ``targets`` frames of
-    a clip have the high-resolution buffers, of ``samples x samples`` a pixel. ``jitter``, ``mip_bias`` and ``camera`` are named
-    settings (`supersampling.render.jitter`, `supersampling.render.paths`), ``recorded`` in an imported capture;
-    ``candidates`` seeded takes are proposed for each clip. ``origin`` tells imported captures apart, empty for renders.
+    ``frame`` is the whole target frame ``(width, height)`` in pixels, ``window`` the part that each clip stores (equal
+    to ``frame`` for whole frames), both before rounding down to a multiple of ``scale``. The last ``targets`` frames of
+    a clip have the high-resolution buffers, of ``samples x samples`` samples per pixel. ``jitter``, ``mip_bias`` and
+    ``camera`` are named settings (`supersampling.render.jitter`, `supersampling.render.paths`), ``recorded`` for an
+    imported capture; ``candidates`` seeded takes are proposed for each clip. ``origin`` identifies imported captures
+    and is empty for renders.
     """
 
     scene: str
@@ -37,7 +38,7 @@ class CaptureSpec:
 
     @property
     def target_size(self) -> tuple[int, int]:
-        """Stored target ``(width, height)``."""
+        """Return ``(width, height)`` of the stored target."""
         width, height = self.window
         return width // self.scale * self.scale, height // self.scale * self.scale
 
@@ -46,7 +47,7 @@ class CaptureSpec:
 
     @property
     def file_name(self) -> str:
-        """A readable name that differs between any two specifications."""
+        """Return a readable name that is unique to the specification."""
         digest = hashlib.sha256(self.to_json().encode()).hexdigest()[:8]
         plain = "".join(c if c.isalnum() or c in "-." else "_" for c in self.scene).strip("_.")
         return f"{plain}_{self.split}_x{self.scale}_{digest}.h5"

@@ -1,7 +1,8 @@
-"""Writes data set files: clip by clip in bounded memory, resumable, never half-written, equal content for equal frames.
+"""Writer of data set files: clip by clip in bounded memory, resumable, never half-written, equal content for equal
+frames.
 
-A clip is a small HDF5 file of its own while a data set is made. Once all are there, their compressed chunks are copied as
-they are into one file, which is renamed into place. Buffers that are asked for later join a finished file in the same way.
+Each clip is a small HDF5 file until all clips are finished. Then their compressed chunks are copied unchanged into one
+file, which is renamed to its final name. Buffers that are requested later are added to a finished file in the same way.
 """
 
 import hashlib
@@ -16,8 +17,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from supersampling.data.dataset_file import describe
 from supersampling.data.spec import CaptureSpec
-from supersampling.data.store import describe
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
@@ -26,7 +27,7 @@ HALF_MAX = 65504.0
 
 
 def quantise(name: str, values: NDArray[np.float32]) -> NDArray[Any]:
-    """A buffer in its stored type: [0, 1] to 8 bits rounded to nearest, half floats cut at their largest number."""
+    """Return a buffer in its stored type: [0, 1] to 8 bits rounded to nearest, half floats clamped to their range."""
     dtype = BUFFERS[name].dtype
     if dtype == "uint8":
         return np.round(np.clip(values, 0.0, 1.0) * 255.0).astype(np.uint8)
@@ -39,17 +40,19 @@ def quantise(name: str, values: NDArray[np.float32]) -> NDArray[Any]:
 def _no_space(path: Path) -> Iterator[None]:
     try:
         yield
-    except (OSError, RuntimeError) as error:  # h5py raises RuntimeError where a flush fails
+    # h5py raises RuntimeError if a flush fails.
+    except (OSError, RuntimeError) as error:
         raise UserError(
-            f"Cannot write {path}: {getattr(error, 'strerror', None) or error}. Free some space, then run again: finished "
+            f"Cannot write {path} ({getattr(error, 'strerror', None) or error}): free some space, then run again; "
+            "finished "
             "clips are kept."
         ) from error
 
 
 class ClipWriter:
-    """One clip, written frame by frame beside ``path`` and renamed there by `close`; a context manager that does so.
+    """Writer of one clip, frame by frame, to a temporary file that `close` renames to ``path``; a context manager.
 
-    ``lengths`` says how many frames each buffer has. Leaving the context by an error removes what was written.
+    ``lengths`` is the number of frames of each buffer. An error inside the context removes the temporary file.
 
     Raises:
         UserError: the disk is full or the folder cannot be written.
@@ -57,14 +60,14 @@ class ClipWriter:
 
     def __init__(self, path: Path, lengths: Mapping[str, int]) -> None:
         self._path, self._lengths = path, dict(lengths)
-        self._beside = path.with_suffix(".tmp")
+        self._temporary = path.with_suffix(".tmp")
         self._next = dict.fromkeys(lengths, 0)
         self._hashes = {name: hashlib.sha256() for name in lengths}
         with _no_space(path):
-            self._file = h5py.File(self._beside, "w", libver="v110")
+            self._file = h5py.File(self._temporary, "w", libver="v110")
 
     def add(self, name: str, values: NDArray[np.float32]) -> None:
-        """The next frame of a buffer, ``(h, w, C)`` float32 in its range (``(2,)`` for jitter)."""
+        """Write the next frame of a buffer, ``(h, w, C)`` float32 in its range (``(2,)`` for jitter)."""
         stored = quantise(name, np.asarray(values))
         with _no_space(self._path):
             if self._next[name] == 0:
@@ -74,11 +77,11 @@ class ClipWriter:
         self._next[name] += 1
 
     def _create(self, name: str, first: NDArray[Any]) -> None:
-        shape, more = (self._lengths[name], *first.shape), _storage(first.shape, first.dtype)
-        self._file.create_dataset(name, shape, first.dtype, track_times=False, **more)
+        shape, storage = (self._lengths[name], *first.shape), _storage(first.shape, first.dtype)
+        self._file.create_dataset(name, shape, first.dtype, track_times=False, **storage)
 
     def note(self, **attributes: str) -> None:
-        """Attributes of the clip as a whole."""
+        """Set attributes of the whole clip."""
         for key, value in attributes.items():
             self._file.attrs[key] = value
 
@@ -88,7 +91,7 @@ class ClipWriter:
             for name, digest in self._hashes.items():
                 self._file[name].attrs["digest"] = digest.hexdigest()
             self._file.close()
-            self._beside.replace(self._path)
+            self._temporary.replace(self._path)
 
     def __enter__(self) -> "ClipWriter":
         return self
@@ -102,11 +105,12 @@ class ClipWriter:
         try:
             self._file.close()
         finally:
-            self._beside.unlink(missing_ok=True)
+            self._temporary.unlink(missing_ok=True)
 
 
 def _storage(frame: tuple[int, ...], dtype: np.dtype) -> dict[str, Any]:
-    """Chunks of one frame's tile, compressed; wider numbers are sorted by byte first, which halves smooth buffers."""
+    """Return HDF5 options: compressed chunks of one frame's tile; wider types are shuffled, which halves smooth
+    buffers."""
     if len(frame) == 1:
         return {}
     height, width, channels = frame
@@ -115,7 +119,7 @@ def _storage(frame: tuple[int, ...], dtype: np.dtype) -> dict[str, Any]:
 
 
 def buffers_in(path: Path) -> frozenset[str]:
-    """The buffers of a finished clip or data set file; none where there is no such file."""
+    """Return the buffers of a finished clip or data set file; none if the file does not exist."""
     if not path.exists():
         return frozenset()
     with h5py.File(path, "r") as file:
@@ -125,16 +129,16 @@ def buffers_in(path: Path) -> frozenset[str]:
 def join_clips(
     path: Path, spec: CaptureSpec, parts: Sequence[Path], names: frozenset[str], attributes: Mapping[str, str]
 ) -> None:
-    """Make the data set ``path`` of the buffers ``names`` from one file a clip; buffers that ``path`` has already stay.
+    """Write the buffers ``names`` to the data set ``path`` from one file per clip; buffers already in ``path`` remain.
 
-    The new file is written beside and renamed. Equal clips give equal bytes: times are not tracked, the order is fixed.
+    A temporary file is written and renamed. Equal clips give equal bytes: times are not tracked, the order is fixed.
 
     Raises:
         UserError: the disk is full or the folder cannot be written.
     """
-    beside = path.with_suffix(".h5.part")
+    temporary = path.with_suffix(".h5.part")
     try:
-        with _no_space(path), h5py.File(beside, "w", libver="v110") as file:
+        with _no_space(path), h5py.File(temporary, "w", libver="v110") as file:
             if path.exists():
                 with h5py.File(path, "r") as old:
                     for name in sorted(old.keys()):
@@ -146,13 +150,13 @@ def join_clips(
             for key, value in sorted(attributes.items()):
                 file.attrs[key] = value
         with _no_space(path):
-            beside.replace(path)
+            temporary.replace(path)
     finally:
-        beside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 def _join(file: h5py.File, name: str, parts: Sequence[Path]) -> None:
-    """Stack a buffer of the clips; the digest of the whole is that of the clips' digests in order."""
+    """Stack a buffer of the clips; its digest is that of the clips' digests in order."""
     digest = hashlib.sha256()
     stacked: h5py.Dataset | None = None
     for clip, part in enumerate(parts):
@@ -160,10 +164,10 @@ def _join(file: h5py.File, name: str, parts: Sequence[Path]) -> None:
             data = source[name]
             if stacked is None:
                 shape = (len(parts), *data.shape)
-                more = _storage(data.shape[1:], data.dtype)
-                if more:
-                    more["chunks"] = (1, *more["chunks"])
-                stacked = file.create_dataset(name, shape, data.dtype, track_times=False, **more)
+                storage = _storage(data.shape[1:], data.dtype)
+                if storage:
+                    storage["chunks"] = (1, *storage["chunks"])
+                stacked = file.create_dataset(name, shape, data.dtype, track_times=False, **storage)
             if data.chunks is None:
                 stacked[clip] = data[()]
             else:
@@ -174,8 +178,8 @@ def _join(file: h5py.File, name: str, parts: Sequence[Path]) -> None:
 
 
 def _copy_chunks(source: h5py.Dataset, target: h5py.Dataset, clip: int) -> None:
-    """Compressed chunks are moved as they are; the same tile of the same frame has the same bytes in both files."""
-    # Every chunk has been written; asking for the k-th one would walk the index from its start each time.
+    """Copy compressed chunks unchanged: the same tile of the same frame has the same bytes in both files."""
+    # Every chunk exists. Looking up the k-th chunk instead would scan the index from its start each time.
     for offset in product(*(range(0, n, c) for n, c in zip(source.shape, source.chunks))):
         mask, data = source.id.read_direct_chunk(offset)
         target.id.write_direct_chunk((clip, *offset), data, mask)

@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.deploy.runner import Runner
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS, Frame
@@ -98,7 +98,7 @@ def recorded_frames(
     Raises:
         UserError: the clip is smaller.
     """
-    store = Store(path)
+    store = DatasetFile(path)
     try:
         scale = store.spec.scale
         width, height = (n // scale for n in store.spec.target_size)

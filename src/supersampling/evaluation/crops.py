@@ -1,5 +1,5 @@
-"""Pictures of one clip a scene: crops of its last frame (the raw input, the method's output, the target) at a place that the data
-alone decide, and epipolar-plane images."""
+"""Pictures of one clip per scene: crops of its last frame (raw input, output, target) at a position that depends on the
+data only, and epipolar-plane images."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ SIZE = 96
 
 
 def detailed_corner(target: Tensor, size: int) -> tuple[int, int]:
-    """Top-left ``(y, x)`` of the ``size`` square with the most fine detail of a ``(1, 3, H, W)`` target."""
+    """Return the top left ``(y, x)`` of the ``size`` square with the most fine detail of a ``(1, 3, H, W)`` target."""
     grey = target.mean(dim=1, keepdim=True)
     fine = (grey - F.avg_pool2d(grey, 5, stride=1, padding=2, count_include_pad=False)).abs()
     sums = F.avg_pool2d(fine, size, stride=4)
@@ -31,8 +31,8 @@ def _image(values: Tensor) -> Image.Image:
 
 
 def save_crops(frame: ScoredFrame, folder: Path, index: int) -> None:
-    """Write ``crops/<index>_<scene>{,_input,_target}.png`` of one scored frame, and ``state/<index>_<scene>_<name>.png`` of its
-    pictures at the same place."""
+    """Write ``crops/<index>_<scene>{,_input,_target}.png`` of one scored frame, and
+    ``state/<index>_<scene>_<name>.png`` of its pictures at the same position."""
     size = min(SIZE, *frame.target.shape[-2:])
     y, x = detailed_corner(frame.target, size)
     scale = frame.target.shape[-1] // frame.color.shape[-1]
@@ -46,18 +46,18 @@ def save_crops(frame: ScoredFrame, folder: Path, index: int) -> None:
 
 
 def save_epipolar(plane: EpipolarPlane, folder: Path, stem: str) -> None:
-    """Write ``<stem>{,_target}.png``: a row of the image, time downwards."""
+    """Write ``<stem>{,_target}.png``: a row of the image over time, which runs downwards."""
     for suffix, image in zip(("", "_target"), plane.images()):
         Image.fromarray(image).save(folder / f"{stem}{suffix}.png")
 
 
 def file_name(scene: str) -> str:
-    """A scene's name as a part of a file's."""
+    """Return the name of a scene as part of a file name."""
     return scene.replace("/", "_")
 
 
 def strip(folder: Path) -> Image.Image:
-    """One picture of all crops in ``folder``: a row a scene, input, output and target side by side."""
+    """Return one picture of all crops in ``folder``: one row per scene with input, output and target side by side."""
     outputs = sorted(p for p in folder.glob("*.png") if not p.stem.endswith(("_input", "_target")))
     rows = []
     for path in outputs:

@@ -1,14 +1,14 @@
-"""A folder of frames that another program upscaled, found clip by clip.
+"""Search for frames that another program upscaled, clip by clip.
 
-``FOLDER/<scene>/<clip>/<anything><number>.<suffix>``; ``<clip>`` counts from 0. The levels that a data set has one of may be
-left out: the frames of a single clip may lie in the folder itself. A ``/`` of a scene's name may be a folder or written ``_``.
+``FOLDER/<scene>/<clip>/<anything><number>.<suffix>``; ``<clip>`` counts from 0. A level with a single entry may be left
+out: the frames of a single clip may be in the folder itself. A ``/`` in the name of a scene is a folder or ``_``.
 """
 
 import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from supersampling.data.store import spec_of
+from supersampling.data.dataset_file import read_spec
 from supersampling.errors import UserError
 from supersampling.evaluation.crops import file_name
 
@@ -16,44 +16,42 @@ IMAGES = (".png", ".exr", ".jpg", ".jpeg", ".hdr", ".tif", ".tiff", ".bmp", ".we
 
 
 def clip_files(folder: Path, files: Sequence[Path], suffix: str) -> list[list[Path]]:
-    """The frames ``*<suffix>`` of every clip of these data set files, in their order.
+    """Return the frames ``*<suffix>`` of every clip of these data set files, in their order.
 
     Raises:
-        UserError: no such folder; a clip without frames; frames of another kind; one missing, one too many, or twice.
+        UserError: the folder does not exist, or a clip has no frames, frames of a different format, missing frames, too
+            many frames, or the same frame twice.
     """
     if not folder.is_dir():
-        raise UserError(f"There is no folder {folder}: correct frames=.")
-    specs = [spec_of(path) for path in files]
-    alone = len(specs) == 1
+        raise UserError(f"Folder {folder} not found: correct frames=.")
+    specs = [read_spec(path) for path in files]
     return [
-        _clip(_folder(folder, spec.scene, clip, alone, spec.clips == 1), suffix, spec.frames)
+        _clip(_folder(folder, spec.scene, clip, len(specs) == 1, spec.clips == 1), suffix, spec.frames)
         for spec in specs
         for clip in range(spec.clips)
     ]
 
 
-def _folder(folder: Path, scene: str, clip: int, one_scene: bool, one_clip: bool) -> Path:
-    scenes = [folder / scene, folder / file_name(scene), *([folder] if one_scene else [])]
-    places = [place / str(clip) for place in scenes] + (scenes if one_clip else [])
-    for place in places:
-        if place.is_dir() and any(file.suffix.lower() in IMAGES for file in place.iterdir()):
-            return place
-    looked = ", ".join(str(place) for place in places)
-    raise UserError(f"There are no frames of clip {clip} of {scene}: looked in {looked}.")
+def _folder(folder: Path, scene: str, clip: int, single_scene: bool, single_clip: bool) -> Path:
+    scenes = [folder / scene, folder / file_name(scene), *([folder] if single_scene else [])]
+    candidates = [path / str(clip) for path in scenes] + (scenes if single_clip else [])
+    for path in candidates:
+        if path.is_dir() and any(file.suffix.lower() in IMAGES for file in path.iterdir()):
+            return path
+    raise UserError(f"Clip {clip} of {scene} has no frames: put them into {' or '.join(map(str, candidates))}.")
 
 
 def _clip(folder: Path, suffix: str, frames: int) -> list[Path]:
-    other = [file for file in sorted(folder.iterdir()) if file.suffix.lower() in IMAGES]
-    images = [file for file in other if file.suffix.lower() == suffix]
-    strange = next((file for file in other if file not in images), None)
-    if strange is not None:
-        hint = "space=radiance reads EXR" if strange.suffix.lower() == ".exr" else "export PNG"
-        raise UserError(f"{strange} is no {suffix} image, which these frames are said to be: {hint}, or remove it.")
+    images = [file for file in sorted(folder.iterdir()) if file.suffix.lower() in IMAGES]
+    mismatch = next((file for file in images if file.suffix.lower() != suffix), None)
+    if mismatch is not None:
+        hint = "set space=radiance for EXR" if mismatch.suffix.lower() == ".exr" else f"export {suffix} images"
+        raise UserError(f"{mismatch} is not a {suffix} image, as the setting space requires: {hint}, or remove it.")
     numbered: dict[int, Path] = {}
     for file in images:
         digits = re.search(r"(\d+)$", file.stem)
         if digits is None:
-            raise UserError(f"{file} has no number at its name's end: name frames like frame_0000{suffix}.")
+            raise UserError(f"{file} has no number at the end of its name: name frames like frame_0000{suffix}.")
         number = int(digits[1])
         if number in numbered:
             raise UserError(f"{file} and {numbered[number].name} are the same frame: remove one of them.")
@@ -62,10 +60,11 @@ def _clip(folder: Path, suffix: str, frames: int) -> list[Path]:
     gaps = [number for number in range(first, last + 1) if number not in numbered]
     if gaps:
         raise UserError(
-            f"{folder} lacks frame {gaps[0]} of {first} to {last}: every frame has to be there; make it again."
+            f"{folder} has no frame {gaps[0]} of {first} to {last}: upscale the clip again, every frame is required."
         )
     if len(numbered) != frames:
         raise UserError(
-            f"{folder} holds {len(numbered)} frames, its clip {frames}: upscale the clip from its first to its last frame."
+            f"{folder} has {len(numbered)} frames, but the clip has {frames}: upscale it from its first to its last "
+            "frame."
         )
     return [numbered[number] for number in sorted(numbered)]

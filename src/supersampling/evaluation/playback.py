@@ -1,4 +1,4 @@
-"""Frames that exist already, as a method: what another program upscaled, or a data set's own targets."""
+"""Existing frames as a method: the output of another program, or the targets of a data set."""
 
 import hashlib
 import json
@@ -10,41 +10,41 @@ from typing import final
 import torch
 from torch import Tensor
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.readers.images import read_display_png, read_exr
 from supersampling.data.readers.qrisp import baseline_images
-from supersampling.data.store import Store
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
 from supersampling.ops.display import radiance_to_display
 
 Clips = Sequence[Sequence[Path]]
-"""A file for every frame of every clip, in the order in which they are scored."""
+"""One file per frame of every clip, in the order of scoring."""
 
 
 class Recording(ABC):
-    """Where the frames come from."""
+    """Base class of the sources of frames."""
 
     @abstractmethod
     def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
-        """One image ``(3, H, W)`` of ``size (W, H)``, in the recording's own domain.
+        """Return one image ``(3, H, W)`` of ``size (W, H)``, in the colour space of the recording.
 
         Raises:
-            UserError: it is broken, of another size or of another kind.
+            UserError: the image is broken, of a different size or of a different format.
         """
 
     def shown(self, image: Tensor) -> Tensor:
-        """Display-referred colours in [0, 1] of an image."""
+        """Return the display-referred colours in [0, 1] of an image."""
         return image
 
     def radiance(self, image: Tensor) -> Tensor | None:
-        """Linear radiance of an image, None where there are display colours alone."""
+        """Return the linear radiance of an image; None if the recording has display colours only."""
         return None
 
     @property
     @abstractmethod
     def fingerprint(self) -> str:
-        """16 hex digits of the content."""
+        """Return 16 hex digits of the content."""
 
 
 class _Images(Recording):
@@ -61,7 +61,7 @@ class _Images(Recording):
 
 @final
 class DisplayImages(_Images):
-    """PNG images of sRGB display colours, 8 or 16 bits; an alpha channel has to be opaque."""
+    """PNG images of sRGB display colours, 8 or 16 bits; an alpha channel must be opaque."""
 
     def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
         return torch.from_numpy(read_display_png(self._clips[clip][frame], size)).permute(2, 0, 1)
@@ -69,7 +69,7 @@ class DisplayImages(_Images):
 
 @final
 class RadianceImages(_Images):
-    """EXR images of linear radiance in the data set's exposure; shown as the project's renderer shows its own."""
+    """EXR images of linear radiance in the data set's exposure; displayed like images of the project's renderer."""
 
     def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
         image = read_exr(self._clips[clip][frame], size, ("RGB",))
@@ -83,15 +83,15 @@ class RadianceImages(_Images):
 
 
 @final
-class Targets(Recording):
-    """The targets themselves: what every metric gives to a perfect method."""
+class TargetImages(Recording):
+    """The targets as output: the scores of a perfect method."""
 
     def __init__(self, files: Sequence[Path]) -> None:
-        self._clips = [(store, c) for store in map(Store, files) for c in range(store.clips)]
+        self._clips = [(file, c) for file in map(DatasetFile, files) for c in range(file.clips)]
 
     def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
-        store, index = self._clips[clip]
-        return torch.from_numpy(store.read("target", index, slice(frame, frame + 1)))[0]
+        file, index = self._clips[clip]
+        return torch.from_numpy(file.read("target", index, slice(frame, frame + 1)))[0]
 
     @property
     def fingerprint(self) -> str:
@@ -100,7 +100,7 @@ class Targets(Recording):
 
 @final
 class Playback(Upsampler[int]):
-    """Shows a recording's clips one after another; the state is the number of the next frame."""
+    """Method whose output are the clips of a recording, in order; the state is the number of the next frame."""
 
     requires = frozenset({"color"})
 
@@ -125,8 +125,8 @@ class Playback(Upsampler[int]):
         return self.recording.radiance(output)
 
 
-def recorded_methods(capture: Path, files: Sequence[Path]) -> dict[str, Playback]:
-    """The methods whose images a QRISP ``capture`` ships for these data set files, which were imported from it.
+def read_recorded_methods(capture: Path, files: Sequence[Path]) -> dict[str, Playback]:
+    """Return the methods whose images a QRISP ``capture`` has for these data set files, which were imported from it.
 
     Raises:
         UserError: a file was not imported from QRISP, or images of a method are missing for one of its clips.
@@ -134,19 +134,20 @@ def recorded_methods(capture: Path, files: Sequence[Path]) -> dict[str, Playback
     images: dict[str, list[list[Path]]] = {}
     scales = set()
     for path in files:
-        store = Store(path)
-        spec, segments = store.spec, [str(c) for c in json.loads(store.attributes.get("clips", "[]"))]
-        store.close()
+        file = DatasetFile(path)
+        spec, segments = file.spec, [str(c) for c in json.loads(file.attributes.get("clips", "[]"))]
+        file.close()
         scales.add(spec.scale)
         if not spec.scene.startswith("qrisp/"):
-            raise UserError(f"{path} was not imported from a QRISP capture: render.py import=qrisp makes such files.")
-        for method, found in baseline_images(capture, spec.scene.removeprefix("qrisp/")).items():
+            raise UserError(f"{path} was not imported from a QRISP capture: import it with render.py import=qrisp.")
+        for method, streams in baseline_images(capture, spec.scene.removeprefix("qrisp/")).items():
             for label in segments:
                 segment = label.rsplit("/", 1)[-1]
-                frames = found[segment].files if segment in found else {}
+                frames = streams[segment].files if segment in streams else {}
                 if len(frames) != spec.frames:
                     raise UserError(
-                        f"{capture} has {len(frames)} images of {method} for the {spec.frames} frames of segment {segment} "
+                        f"{capture} has {len(frames)} images of {method} for the {spec.frames} frames of segment "
+                        f"{segment} "
                         f"of {spec.scene}: unpack them all."
                     )
                 images.setdefault(method, []).append([frames[number] for number in sorted(frames)])

@@ -1,4 +1,4 @@
-"""What an evaluation gives: every value of every frame, clip and scene, and crops, as files."""
+"""The result of an evaluation: the values of every frame, clip and scene, and pictures, as files."""
 
 import math
 import shutil
@@ -13,7 +13,7 @@ from supersampling.evaluation.crops import file_name, save_crops, save_epipolar,
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.score import ScoredFrame, evaluation_requires, score, whole_clips
 from supersampling.metrics import scores
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.metrics.video.epipolar import EpipolarPlane
 from supersampling.models.base import Upsampler
 
@@ -22,7 +22,8 @@ PICTURES = ("crops", "epipolar", "state")
 
 @dataclass(frozen=True)
 class Result:
-    """Tables by frame and by clip, ``scene, clip(, frame)`` before the metrics, and pictures of each scene's first clip."""
+    """Tables by frame and by clip, with the columns ``scene, clip(, frame)`` first, and pictures of each scene's first
+    clip."""
 
     frames: pd.DataFrame
     clips: pd.DataFrame
@@ -30,11 +31,14 @@ class Result:
 
     @property
     def metrics(self) -> list[str]:
-        """The columns of ``clips`` that are metrics and have a value."""
+        """Return the columns of ``clips`` that are metrics and have a value."""
         return [str(m) for m in self.clips if m not in scores.PLACE and self.clips[m].notna().any()]
 
     def summary(self) -> dict[str, float]:
-        """``test/<metric>`` over all clips and ``test/<scene>/<metric>`` for each scene, its ``/`` written ``_``."""
+        """Return the means ``test/<metric>`` over all clips and ``test/<scene>/<metric>`` over those of each scene.
+
+        A ``/`` in the name of a scene becomes ``_``.
+        """
         means = {f"test/{m}": float(self.clips[m].mean()) for m in self.metrics}
         for scene, rows in self.clips.groupby("scene", sort=False):
             for m in self.metrics:
@@ -44,54 +48,57 @@ class Result:
         return means
 
     def write(self, folder: Path) -> None:
-        """``frames.parquet`` (see `supersampling.metrics.scores`), ``crops/``, ``crops.png``, ``epipolar/`` and ``state/``."""
-        scores.write_scores(folder / scores.FILE, scores.Scores.of(self.frames, self.clips))
+        """Write ``frames.parquet`` (see `scores`), ``crops/``, ``crops.png``, ``epipolar/`` and ``state/``."""
+        scores.write_scores(folder / scores.FILE, scores.Scores.with_scene_means(self.frames, self.clips))
         for kind in PICTURES:
             shutil.copytree(Path(self.pictures.name) / kind, folder / kind)
         strip(folder / "crops").save(folder / "crops.png")
 
-    def keep(self, older: scores.Scores) -> "Result":
-        """With the metrics of an earlier evaluation of the same frames that this one did not compute."""
+    def merge(self, older: scores.Scores) -> "Result":
+        """Return this result with the missing metrics of ``older``, an evaluation of the same frames."""
         return Result(_joined(self.frames, older.frames), _joined(self.clips, older.clips), self.pictures)
 
 
-def _joined(ours: pd.DataFrame, older: pd.DataFrame) -> pd.DataFrame:
-    place = [name for name in scores.PLACE if name in ours]
-    more = [str(name) for name in older if name not in ours]
-    return ours.merge(older[[*place, *more]], on=place, how="left") if more else ours
+def _joined(newer: pd.DataFrame, older: pd.DataFrame) -> pd.DataFrame:
+    place = [name for name in scores.PLACE if name in newer]
+    missing = [str(name) for name in older if name not in newer]
+    return newer.merge(older[[*place, *missing]], on=place, how="left") if missing else newer
 
 
 def evaluate(model: Upsampler, metrics: Metrics, protocol: Protocol, paths: list[Path]) -> Result:
-    """Score ``model`` on whole test clips and keep crops and the epipolar image of each scene's first clip."""
+    """Score ``model`` on the whole clips of the test files ``paths``."""
     clips = whole_clips(paths, evaluation_requires(model, metrics), protocol.warm_up)
     return collect(score(model, metrics, protocol, clips), protocol.warm_up)
 
 
 def collect(scored: Iterable[ScoredFrame], warm_up: int) -> Result:
-    """The tables of scored frames. A clip's values are means over its frames after the warm-up, those without a value left out,
-    and those of metrics of whole clips."""
+    """Return the tables of scored frames, with crops and the epipolar image of each scene's first clip.
+
+    A clip's values are the means over its frames after the warm-up, without frames that have no value, and the values
+    of the metrics of whole clips.
+    """
     pictures = tempfile.TemporaryDirectory(prefix="pictures")
     folder = Path(pictures.name)
     for kind in PICTURES:
         (folder / kind).mkdir()
-    rows: list[dict] = []
-    of_clips: list[dict] = []
+    frame_rows: list[dict] = []
+    clip_rows: list[dict] = []
     scenes: list[str] = []
     plane = EpipolarPlane()
     for frame in scored:
-        rows.append({**frame.place, **frame.scores})
+        frame_rows.append({**frame.place, **frame.scores})
         if frame.name.clip == 0:
             if frame.index == 0:
                 plane = EpipolarPlane()
             plane.add(frame.output, frame.target)
         if frame.index < frame.length - 1:
             continue
-        of_clips.append({"scene": frame.name.scene, "clip": frame.name.clip, **frame.clip_scores})
+        clip_rows.append({"scene": frame.name.scene, "clip": frame.name.clip, **frame.clip_scores})
         if frame.name.clip == 0:
             save_crops(frame, folder, len(scenes))
             save_epipolar(plane, folder / "epipolar", f"{len(scenes)}_{file_name(frame.name.scene)}")
             scenes.append(frame.name.scene)
-    frames = pd.DataFrame(rows)
+    frames = pd.DataFrame(frame_rows)
     counted = frames[frames["frame"] >= warm_up].drop(columns="frame")
     means = counted.groupby(["scene", "clip"], sort=False).mean().reset_index()
-    return Result(frames, means.merge(pd.DataFrame(of_clips), on=["scene", "clip"]), pictures)
+    return Result(frames, means.merge(pd.DataFrame(clip_rows), on=["scene", "clip"]), pictures)

@@ -1,4 +1,4 @@
-"""Scores a method on whole clips from their first frame, its state carried on; every frame's value is kept.
+"""Scoring of a method on whole clips, with its state carried from the first frame on; every frame has its values.
 
 Clips are read frame by frame, so that memory does not grow with their length.
 """
@@ -13,21 +13,21 @@ from torch import Tensor, nn
 from tqdm import tqdm
 
 from supersampling.data.clips import ClipName, WholeClips
-from supersampling.data.store import spec_of
+from supersampling.data.dataset_file import read_spec
 from supersampling.errors import UserError
 from supersampling.evaluation.protocol import Protocol
 from supersampling.frames import Frame
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.base import Moment
 from supersampling.metrics.prepare import HIGHEST_RADIANCE, bounded
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ScoredFrame:
-    """One output with what it was made from, whole; all tensors ``(1, C, ., .)``.
+    """The output for one frame with its input, target and scores; images are whole, all tensors ``(1, C, ., .)``.
 
-    With a clip's last frame come ``clip_scores``, the values of the whole clip, and ``pictures`` of the method's state.
+    A clip's last frame also has ``clip_scores``, the values of the whole clip, and ``pictures`` of the method's state.
     """
 
     name: ClipName
@@ -45,8 +45,8 @@ class ScoredFrame:
         return {"scene": self.name.scene, "clip": self.name.clip, "frame": self.index}
 
 
-def device_of(model: nn.Module) -> torch.device:
-    """Where a model lives; a model without parameters or buffers lives on the host."""
+def model_device(model: nn.Module) -> torch.device:
+    """Return the device of a model; that of a model without parameters or buffers is the host."""
     for tensor in (*model.parameters(), *model.buffers()):
         return tensor.device
     return torch.device("cpu")
@@ -56,12 +56,12 @@ def device_of(model: nn.Module) -> torch.device:
 def score(
     model: Upsampler, metrics: Metrics, protocol: Protocol, clips: WholeClips, *, progress: bool = True
 ) -> Iterator[ScoredFrame]:
-    """Run ``model`` over every clip and score every frame, in float32.
+    """Run ``model`` over every clip, score every frame in float32, and yield the frames.
 
-    ``clips`` has to carry colour and what the metrics read beside what the model reads: see `evaluation_requires`.
+    ``clips`` must have the buffers of `evaluation_requires`.
     """
     model.eval()
-    # None: a terminal shows a bar, a log file nothing.
+    # None: tqdm shows a bar in a terminal and nothing in a log file.
     disable = None if progress else True
     with tqdm(total=clips.frames, desc="evaluate", unit="frame", disable=disable, leave=False) as bar:
         for index in range(len(clips)):
@@ -74,71 +74,73 @@ def score(
 def _score_clip(
     model: Upsampler, metrics: Metrics, protocol: Protocol, clips: WholeClips, index: int
 ) -> Iterator[ScoredFrame]:
-    device, length = device_of(model), clips.length(index)
+    device, length = model_device(model), clips.length(index)
     state: Any = None
     previous: tuple[Tensor, Tensor] | None = None
-    with metrics.of_clips.begin() as whole:
+    with metrics.clips.begin() as scoring:
         for t, buffers in enumerate(clips.read_frames(index)):
             batch = {name: values[None].to(device) for name, values in buffers.items()}
             frame = Frame.from_clip(batch, 0)
-            made, state = model(frame, state)
+            upsampled, state = model(frame, state)
             target = batch["target"][:, 0]
-            output = protocol.prepare(model.present(made, frame), target)
+            output = protocol.prepare(model.present(upsampled, frame), target)
             moment = protocol.inner(
                 Moment(
-                    output,
-                    target,
-                    previous,
-                    batch["motion"][:, 0] if "motion" in metrics.requires else None,
-                    batch["motion_dual"][:, 0] if "motion_dual" in metrics.requires else None,
-                    _radiance(model, made, frame, batch) if "target_radiance" in metrics.requires else None,
-                    (batch["color"].shape[-2], batch["color"].shape[-1]),
+                    output=output,
+                    target=target,
+                    previous=previous,
+                    motion=batch["motion"][:, 0] if "motion" in metrics.requires else None,
+                    motion_dual=batch["motion_dual"][:, 0] if "motion_dual" in metrics.requires else None,
+                    radiance=_radiance(model, upsampled, frame, batch)
+                    if "target_radiance" in metrics.requires
+                    else None,
+                    size=(batch["color"].shape[-2], batch["color"].shape[-1]),
                 )
             )
-            scores = metrics.of_frames(moment)
+            scores = metrics.frames(moment)
             if t >= protocol.warm_up:
-                whole.add(moment)
+                scoring.add(moment)
             last = t == length - 1
-            of_clip = whole.finish() if last else {}
-            pictures = model.state_images(state) if last else {}
             previous = (output, target)
             yield ScoredFrame(
-                clips.name(index),
-                t,
-                length,
-                batch["color"][:, 0],
-                target,
-                output,
-                scores,
-                of_clip,
-                pictures,
+                name=clips.name(index),
+                index=t,
+                length=length,
+                color=batch["color"][:, 0],
+                target=target,
+                output=output,
+                scores=scores,
+                clip_scores=scoring.finish() if last else {},
+                pictures=model.state_images(state) if last else {},
             )
 
 
-def _radiance(model: Upsampler, made: Tensor, frame: Frame, batch: dict[str, Tensor]) -> tuple[Tensor, Tensor] | None:
-    wanted, given = batch["target_radiance"][:, 0], model.radiance(made, frame)
-    return None if given is None else (bounded(given, wanted, HIGHEST_RADIANCE), wanted)
+def _radiance(
+    model: Upsampler, upsampled: Tensor, frame: Frame, batch: dict[str, Tensor]
+) -> tuple[Tensor, Tensor] | None:
+    output, target = model.radiance(upsampled, frame), batch["target_radiance"][:, 0]
+    return None if output is None else (bounded(output, target, HIGHEST_RADIANCE), target)
 
 
 def evaluation_requires(model: Upsampler, metrics: Metrics) -> frozenset[str]:
-    """The buffers that scoring reads: the model's, the metrics', and the colour that crops show."""
+    """Return the buffers that scoring reads: those of the model and of the metrics, and the colour for the crops."""
     return model.requires | metrics.requires | {"color"}
 
 
 def whole_clips(paths: list[Path], requires: frozenset[str], warm_up: int) -> WholeClips:
-    """Whole clips with these buffers.
+    """Return the whole clips of the data set files ``paths``, with the buffers ``requires``.
 
     Raises:
-        UserError: a file without a target for every frame, or with clips that end within the warm-up.
+        UserError: a file does not have a target for every frame, or its clips end within the warm-up.
     """
     for path in paths:
-        spec = spec_of(path)
+        spec = read_spec(path)
         if spec.targets < spec.frames:
             raise UserError(
-                f"{path} lacks the targets of its clips' first frames, so it cannot be scored: name a test file."
+                f"{path} has no targets for the first frames of its clips, so it cannot be scored: use a test file."
             )
         if spec.frames <= warm_up:
             raise UserError(
-                f"protocol.warm_up={warm_up} leaves nothing of the {spec.frames} frames of each clip of {path}: choose less."
+                f"Invalid protocol.warm_up={warm_up}: use less than the {spec.frames} frames of each clip of {path}."
             )
     return WholeClips(paths, requires)

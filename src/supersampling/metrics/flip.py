@@ -1,6 +1,7 @@
-"""FLIP by its authors' own tool, ``flip-evaluator``: of display colours (Andersson et al. 2020) and of radiance (2021).
+"""FLIP by its authors' tool ``flip-evaluator``: for display colours (Andersson et al. 2020) and for radiance (2021).
 
-A frame's value is the mean of its error map: 0 is identical, 1 the most that two colours can differ.
+A frame's value is the mean of its error map: 0 for identical images, 1 for the largest possible difference of two
+colours.
 """
 
 import math
@@ -11,54 +12,56 @@ import numpy as np
 from torch import Tensor
 
 from supersampling.errors import UserError
-from supersampling.metrics.suite import Metric, Moment
+from supersampling.metrics.base import FrameMetric, Moment
 
 PIXELS_PER_DEGREE = 0.7 * (3840 / 0.7) * (math.pi / 180)
-"""67.02, the tool's own: a display 3840 pixels and 0.7 m wide, seen from 0.7 m."""
+"""67.02, the tool's default: a display 3840 pixels and 0.7 m wide, seen from 0.7 m."""
 
 
 @final
-class FLIP(Metric):
+class FLIP(FrameMetric):
     """``flip`` of sRGB display colours in [0, 1].
 
     Args:
-        pixels_per_degree: of visual angle, above 0: how far the viewer is from the display. Fewer is nearer, where more is seen.
+        pixels_per_degree: pixels per degree of visual angle, positive. Fewer means that the viewer is nearer to the
+            display and sees more.
     """
 
-    names = ("flip",)
-    requires = frozenset({"target"})
+    better = {"flip": "lower"}
 
     def __init__(self, pixels_per_degree: float = PIXELS_PER_DEGREE) -> None:
         self._parameters = {"ppd": _checked(pixels_per_degree)}
 
-    def __call__(self, moment: Moment) -> dict[str, float]:
-        return {"flip": _mean_flip(moment.output, moment.target, "LDR", self._parameters)}
+    def measure(self, moment: Moment) -> list[float]:
+        return [_mean_flip(moment.output, moment.target, "LDR", self._parameters)]
 
 
 @final
-class FLIPHDR(Metric):
-    """``flip_hdr`` of linear radiance: the worst of `FLIP` at each pixel over exposures from ``2^start`` to ``2^stop``, each tone
-    mapped by the tool's ACES curve. NaN where a method gives no radiance.
+class FLIPHDR(FrameMetric):
+    """``flip_hdr`` of linear radiance: for each pixel the largest `FLIP` over exposures from ``2^start`` to ``2^stop``,
+    each tone mapped by the tool's ACES curve. NaN for a method without radiance.
 
-    The tool alone would choose other exposures for every frame, so that the frames of a clip were not comparable; here they are
-    the same for all. Time grows with their number.
+    By default the tool chooses different exposures for every frame, so that the frames of a clip are not comparable;
+    here all frames have the same. Time grows with their number.
 
     Args:
-        start: the darkest exposure, in stops; 0 leaves radiance as the scene's exposure has it.
-        stop: the brightest, above ``start``.
-        number: of exposures, evenly spaced, 2 or more; the tool takes ``ceil(stop - start)``.
+        start: the darkest exposure, in stops; 0 leaves radiance at the scene's exposure.
+        stop: the brightest exposure, greater than ``start``.
+        number: the number of exposures, evenly spaced, at least 2; the tool's default is ``ceil(stop - start)``.
         pixels_per_degree: as for `FLIP`.
     """
 
-    names = ("flip_hdr",)
+    better = {"flip_hdr": "lower"}
     requires = frozenset({"target", "target_radiance"})
 
     def __init__(self, start: float, stop: float, number: int, pixels_per_degree: float = PIXELS_PER_DEGREE) -> None:
         if not (math.isfinite(start) and math.isfinite(stop) and start < stop):
-            raise UserError(f"flip_hdr needs start below stop, got {start} and {stop}: -3 and 3 are a choice.")
-        # Of one exposure, the tool gives 0 whatever the images are.
+            raise UserError(
+                f"Invalid exposures of flip_hdr, start={start} and stop={stop}: use start below stop, such as -3 and 3."
+            )
+        # For a single exposure the tool returns 0 whatever the images are.
         if number < 2:
-            raise UserError(f"number of flip_hdr must be 2 or more, got {number}.")
+            raise UserError(f"Invalid number={number} of exposures of flip_hdr: use at least 2.")
         self._parameters = {
             "ppd": _checked(pixels_per_degree),
             "startExposure": float(start),
@@ -67,20 +70,20 @@ class FLIPHDR(Metric):
             "tonemapper": "aces",
         }
 
-    def __call__(self, moment: Moment) -> dict[str, float]:
-        if moment.radiance is None:
-            return {"flip_hdr": math.nan}
-        return {"flip_hdr": _mean_flip(*moment.radiance, "HDR", self._parameters)}
+    def measure(self, moment: Moment) -> list[float]:
+        return [math.nan if moment.radiance is None else _mean_flip(*moment.radiance, "HDR", self._parameters)]
 
 
 def _checked(pixels_per_degree: float) -> float:
     if not 0.0 < pixels_per_degree < math.inf:
-        raise UserError(f"pixels_per_degree must be above 0, got {pixels_per_degree}; the tool's own is 67.02.")
+        raise UserError(
+            f"Invalid pixels_per_degree={pixels_per_degree}: use a positive number; the tool's default is 67.02."
+        )
     return float(pixels_per_degree)
 
 
 def _mean_flip(output: Tensor, target: Tensor, dynamic_range: str, parameters: dict[str, Any]) -> float:
-    """Of one frame, ``(1, 3, H, W)`` each."""
+    """Return the mean error of one frame; both images are ``(1, 3, H, W)``."""
     _, mean, _ = flip_evaluator.evaluate(
         _array(target), _array(output), dynamic_range, applyMagma=False, parameters=dict(parameters)
     )
@@ -88,6 +91,6 @@ def _mean_flip(output: Tensor, target: Tensor, dynamic_range: str, parameters: d
 
 
 def _array(image: Tensor) -> np.ndarray:
-    """``(H, W, 3)``, float32, contiguous."""
+    """Return the image as ``(H, W, 3)``, float32, contiguous."""
     array: np.ndarray = image[0].permute(1, 2, 0).float().contiguous().cpu().numpy()
     return array

@@ -1,7 +1,7 @@
-"""Image metrics, one value a frame. A name carries its convention: two conventions never share a name.
+"""Image metrics, one value per frame. A name includes its convention: two conventions never share a name.
 
-All take ``output`` and ``target (B, 3, H, W)`` in [0, 1] and return ``(B,)``. They take values as they come: what becomes of
-values outside, of NaN and of infinities is `supersampling.metrics.prepare`'s to say, and without it a NaN stays one.
+All take ``output`` and ``target (B, 3, H, W)`` in [0, 1] and return ``(B,)``. They do not change values: see
+`supersampling.metrics.prepare` for values out of range, NaN and infinities. Without it, NaN gives NaN.
 """
 
 import math
@@ -13,7 +13,7 @@ from supersampling.errors import UserError
 from supersampling.ops.window import gaussian_mean
 
 PSNR_CAP = 100.0
-"""dB; what identical images get, so that means stay finite."""
+"""dB; the value of identical images, so that means stay finite."""
 
 WINDOW = 11
 SIGMA = 1.5
@@ -21,50 +21,46 @@ STRIP = 128  # rows
 
 
 def psnr(output: Tensor, target: Tensor) -> Tensor:
-    """Peak signal-to-noise ratio in dB for peak 1, over all RGB values of a frame; at most `PSNR_CAP`."""
+    """Return the peak signal-to-noise ratio in dB for peak 1, over all RGB values of a frame; at most `PSNR_CAP`."""
     error = (output - target).square().mean(dim=(1, 2, 3))
     return -10.0 * error.clamp_min(10.0 ** (-PSNR_CAP / 10.0)).log10()
 
 
 def ssim_gauss11(output: Tensor, target: Tensor) -> Tensor:
-    """SSIM of Wang et al. 2004, as ``skimage.metrics.structural_similarity`` with ``gaussian_weights=True,
-    sigma=1.5, use_sample_covariance=False, data_range=1, channel_axis=...`` computes it: mean over RGB and
-    over whole windows.
+    """Return the SSIM of Wang et al. 2004: mean over RGB and over whole windows.
 
-    Raises `UserError` for images smaller than 11x11.
+    It equals ``skimage.metrics.structural_similarity`` with ``gaussian_weights=True, sigma=1.5,
+    use_sample_covariance=False, data_range=1, channel_axis=...``. Raises `UserError` for images smaller than 11x11.
     """
     return _ssim(output, target, 0.01**2, 0.03**2)
 
 
 def ssim_uniform11(output: Tensor, target: Tensor) -> Tensor:
-    """SSIM as NSRD's published code scores it: ``skimage.metrics.structural_similarity`` with ``win_size=11, data_range=1,
-    channel_axis=...``, that is a uniform window of 11 and the sample covariance (``n / (n - 1)``), mean over RGB and over
-    whole windows.
+    """Return SSIM as NSRD's published code computes it: mean over RGB and over whole windows.
 
-    That code scores 8-bit images which it cut to whole steps, where `supersampling.metrics.prepare.EightBit` rounds. Raises
-    `UserError` for images smaller than 11x11.
+    It equals ``skimage.metrics.structural_similarity`` with ``win_size=11, data_range=1, channel_axis=...``, that is a
+    uniform window of 11 and the sample covariance (``n / (n - 1)``). NSRD's code truncates images to 8 bits, whereas
+    `supersampling.metrics.prepare.EightBit` rounds. Raises `UserError` for images smaller than 11x11.
     """
     return _ssim(output, target, 0.01**2, 0.03**2, sigma=math.inf, unbiased=WINDOW**2 / (WINDOW**2 - 1))
 
 
 def mssim_thesis(output: Tensor, target: Tensor) -> Tensor:
-    """MSSIM with the constants of Swensen 2021, 4.3.5: ``C1 = 0.01^2``, ``C2 = 0.02^2``, ``C3 = C2 / 2``.
+    """Return MSSIM with the constants of Swensen 2021, 4.3.5: ``C1 = 0.01^2``, ``C2 = 0.02^2``, ``C3 = C2 / 2``.
 
-    ``C3 = C2 / 2`` merges contrast and structure, so that only ``C2`` differs from `ssim_gauss11`. The thesis
-    gives a window of 11; that it is Gaussian with sigma 1.5, on RGB and whole windows only, is assumed here.
+    ``C3 = C2 / 2`` merges contrast and structure, so that only ``C2`` differs from `ssim_gauss11`. The thesis states a
+    window of 11; that it is Gaussian with sigma 1.5, on RGB and whole windows only, is assumed here.
     """
     return _ssim(output, target, 0.01**2, 0.02**2)
 
 
 def _ssim(output: Tensor, target: Tensor, c1: float, c2: float, sigma: float = SIGMA, unbiased: float = 1.0) -> Tensor:
-    """``sigma``: of the window, infinite for a uniform one; ``unbiased``: what (co)variances are multiplied by."""
+    """Return SSIM ``(B,)``; ``sigma`` is infinite for a uniform window, ``unbiased`` multiplies the (co)variances."""
     height, width = output.shape[-2:]
     if min(height, width) < WINDOW:
-        raise UserError(
-            f"SSIM needs images of at least {WINDOW}x{WINDOW} pixels, got {width}x{height}; use larger ones."
-        )
+        raise UserError(f"Images of {width}x{height} pixels are too small for SSIM: use at least {WINDOW}x{WINDOW}.")
     rows, total = height - WINDOW + 1, output.new_zeros(len(output), dtype=torch.float64)
-    # Strips of one channel stay in cache: twice as fast at 1080p on a CPU.
+    # Strips of one channel stay in the cache: twice as fast at 1080p on a CPU.
     for x, y in zip(output.split(1, dim=1), target.split(1, dim=1)):
         for first in range(0, rows, STRIP):
             strip = slice(first, min(first + STRIP, rows) + WINDOW - 1)
@@ -74,12 +70,12 @@ def _ssim(output: Tensor, target: Tensor, c1: float, c2: float, sigma: float = S
 
 
 def _ssim_map(x: Tensor, y: Tensor, c1: float, c2: float, sigma: float, unbiased: float) -> Tensor:
-    """SSIM of every whole window of images ``(B, H, W)``."""
-    # Variances do not change under a shift, and squares of values around 0 lose fewer bits.
+    """Return the SSIM of every whole window of images ``(B, H, W)``."""
+    # A shift does not change variances, and squares of values around 0 lose fewer bits.
     x, y = x - 0.5, y - 0.5
     moments = torch.stack((x, y, (x * x).addcmul_(y, y), x * y))
     mean_x, mean_y, square, product = gaussian_mean(moments, WINDOW, sigma)
-    # In this order equal images get exactly 1: one sum is twice the other, rounded alike.
+    # In this order equal images get exactly 1: numerator and denominator round alike.
     variances = square.sub_((mean_x * mean_x).addcmul_(mean_y, mean_y)).mul_(unbiased)
     covariance = product.sub_(mean_x * mean_y).mul_(unbiased)
     mean_x, mean_y = mean_x.add_(0.5), mean_y.add_(0.5)

@@ -1,33 +1,38 @@
-"""LPIPS by its authors' own package, ``lpips`` (Zhang et al. 2018), version 0.1 of its weights."""
+"""LPIPS by its authors' package ``lpips`` (Zhang et al. 2018), version 0.1 of its weights."""
 
+import math
 import warnings
 from collections import OrderedDict
 from functools import cache
 from typing import final
 
-import lpips
 import torch
 from torch import nn
 
 from supersampling.errors import UserError
-from supersampling.metrics.suite import Metric, Moment
-from supersampling.pretrained import load_pretrained
+from supersampling.metrics.base import FrameMetric, Moment
 
-# The package's name: torchvision's, and the smallest side that every layer has an output for.
+# By the package's name: torchvision's name, and the smallest image side for which every layer has an output.
 NETWORKS = {"alex": ("alexnet", 31), "vgg": ("vgg16", 16)}
 
 
 @cache
 def trained(network: str) -> nn.Module:
-    """The package's module, frozen. What it learned is in the package; the classifier under it is torchvision's.
+    """Return the package's module, frozen. Its learned weights come with the package, its classifier is torchvision's.
 
     Raises:
-        UserError: the classifier's weights cannot be had; it says which file goes where.
+        UserError: the classifier's weights are not available; the message names the file and its folder.
     """
+    # Imported here because both load torchvision, which takes seconds and is not needed to know the metric's direction.
+    import lpips
+
+    from supersampling.pretrained import load_pretrained
+
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # it calls torchvision by arguments that are deprecated
+        # The package passes deprecated arguments to torchvision.
+        warnings.simplefilter("ignore")
         module: nn.Module = lpips.LPIPS(net=network, pnet_rand=True, verbose=False)
-    # The package cuts torchvision's layers into slices and keeps their names.
+    # The package splits torchvision's layers into slices and keeps their names.
     slices = module.get_submodule("net").children()
     layers = OrderedDict(pair for part in slices for pair in part.named_children())
     name, _ = NETWORKS[network]
@@ -36,58 +41,58 @@ def trained(network: str) -> nn.Module:
 
 
 @final
-class LPIPS(Metric):
-    """``lpips_alex`` or ``lpips_vgg``: a distance between two images in a classifier's features, 0 for identical ones.
+class LPIPS(FrameMetric):
+    """``lpips_alex`` or ``lpips_vgg``: distance of two images in the features of a classifier, 0 for identical images.
 
-    On whole frames in [0, 1], not scaled down; the mean over the frame.
+    The mean over whole frames in [0, 1], which are not scaled down.
 
     Args:
-        network: ``alex``, the package's own choice, or ``vgg``, its choice for a loss; a paper that does not say which is most
-            likely the first. The two are different metrics.
+        network: ``alex``, the package's default, or ``vgg``, its recommendation for a loss; a paper that does not name
+            its network most likely used the first. The two are different metrics.
     """
 
-    requires = frozenset({"target"})
+    better = {"lpips_*": "lower"}
 
     def __init__(self, network: str) -> None:
         if network not in NETWORKS:
-            raise UserError(f"network={network} of LPIPS: use {' or '.join(NETWORKS)}.")
+            raise UserError(f"Unknown network={network} of LPIPS: use {' or '.join(NETWORKS)}.")
         self.names = (f"lpips_{network}",)
-        self._module, self._least = trained(network), NETWORKS[network][1]
+        self._module, self._smallest = trained(network), NETWORKS[network][1]
 
     @torch.no_grad()
-    def __call__(self, moment: Moment) -> dict[str, float]:
+    def measure(self, moment: Moment) -> list[float]:
         height, width = moment.output.shape[-2:]
-        if min(height, width) < self._least:
+        if min(height, width) < self._smallest:
             raise UserError(
-                f"{self.names[0]} needs images of at least {self._least}x{self._least} pixels, got {width}x{height}; use "
-                "larger ones."
+                f"Images of {width}x{height} pixels are too small for {self.names[0]}: use at least "
+                f"{self._smallest}x{self._smallest}."
             )
-        # Not in half precision under autocast: near the target, the features' difference is below its rounding.
+        # No half precision under autocast: near the target, the difference of the features is below its rounding.
         with torch.autocast(moment.output.device.type, enabled=False):
             distance = self._module.to(moment.output.device)(
                 moment.output.float(), moment.target.float(), normalize=True
             )
-        return {self.names[0]: distance.item()}
+        return [distance.item()]
 
 
 @final
-class Untrained(Metric):
-    """In the place of `LPIPS` where its classifier's weights cannot be had: no value."""
+class Untrained(FrameMetric):
+    """Substitute for `LPIPS` if the weights of its classifier are not available: no value."""
 
-    requires = frozenset({"target"})
+    better = LPIPS.better
 
     def __init__(self, network: str) -> None:
         self.names = (f"lpips_{network}",)
 
-    def __call__(self, moment: Moment) -> dict[str, float]:
-        return {self.names[0]: float("nan")}
+    def measure(self, moment: Moment) -> list[float]:
+        return [math.nan]
 
 
 @cache
-def where_trained(network: str) -> Metric:
-    """`LPIPS` if its weights are there or can be fetched, else `Untrained`, with the reason printed.
+def where_trained(network: str) -> FrameMetric:
+    """Return `LPIPS` if its weights are on disk or can be downloaded, else print the reason and return `Untrained`.
 
-    Asked once a process: every job and baseline composes the same metrics, and a hub that does not answer takes its time.
+    Cached per process: every job and baseline composes the same metrics, and waiting for an unreachable hub takes long.
     """
     try:
         return LPIPS(network)

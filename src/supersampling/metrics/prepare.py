@@ -1,4 +1,4 @@
-"""What an output becomes before it is scored: finite, inside of its range and, if so chosen, in 8 bits."""
+"""Preparation of outputs for scoring: finite values within the range and, optionally, in 8 bits."""
 
 from abc import ABC, abstractmethod
 from typing import final
@@ -7,21 +7,21 @@ import torch
 from torch import Tensor
 
 HIGHEST_RADIANCE = float(torch.finfo(torch.float16).max)
-"""What radiance buffers can hold."""
+"""The largest value of a radiance buffer."""
 
 
 def bounded(output: Tensor, target: Tensor, highest: float = 1.0) -> Tensor:
-    """``output`` in ``[0, highest]``, any shape: values outside are cut to it, as a display or a float16 buffer does.
+    """Return ``output``, of any shape, clamped to ``[0, highest]``, as a display or a float16 buffer does.
 
-    NaN and infinities become the end of the range that is farther from ``target``: no other value would score worse there. So a
-    broken pixel costs the most that one can, in every metric, and a broken frame is never left out of a mean.
+    NaN and infinities become the end of the range that is farther from ``target``: no other value would score worse
+    there. So a broken pixel costs as much as possible in every metric, and a broken frame is never left out of a mean.
     """
     worst = torch.where(target < 0.5 * highest, highest, 0.0)
     return torch.where(output.isfinite(), output, worst.to(output)).clamp(0.0, highest)
 
 
 class Prepare(ABC):
-    """``prepare(output, target) -> output``: the display-referred image ``(B, 3, H, W)`` in [0, 1] that is scored."""
+    """Base class of ``prepare(output, target) -> output``: the display-referred image ``(B, 3, H, W)`` to score."""
 
     @abstractmethod
     def __call__(self, output: Tensor, target: Tensor) -> Tensor: ...
@@ -29,7 +29,7 @@ class Prepare(ABC):
 
 @final
 class Continuous(Prepare):
-    """As it is, but for what `bounded` does."""
+    """No quantisation; values are only `bounded`."""
 
     def __call__(self, output: Tensor, target: Tensor) -> Tensor:
         return bounded(output, target)
@@ -37,9 +37,9 @@ class Continuous(Prepare):
 
 @final
 class EightBit(Prepare):
-    """The nearest of 256 steps, as a PNG or a display holds it; targets are stored so.
+    """Rounding to the nearest of 256 steps, as in a PNG or on a display; targets are stored in this form.
 
-    What is within half a step of the target then equals it.
+    Values within half a step of the target then equal it.
     """
 
     def __call__(self, output: Tensor, target: Tensor) -> Tensor:

@@ -8,7 +8,7 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from supersampling.data.store import spec_of
+from supersampling.data.dataset_file import read_spec
 from supersampling.errors import UserError
 from supersampling.evaluation.score import whole_clips
 from supersampling.metrics.prepare import Prepare
@@ -73,5 +73,5 @@ def _size(files: Sequence[Path], scale: int) -> tuple[int, int]:
 
 def _sizes(files: Sequence[Path], scale: int) -> Iterator[tuple[Path, tuple[int, int]]]:
     for path in files:
-        width, height = spec_of(path).target_size
+        width, height = read_spec(path).target_size
         yield path, (width // scale, height // scale)

@@ -4,13 +4,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from supersampling.data.module import Source
+from supersampling.data.module import DataSource
 from supersampling.data.spec import CaptureSpec
 from supersampling.errors import UserError
 from supersampling.render.check import check_spec
 
 
-class Rendered(Source):
+def installed_scenes() -> list[str]:
+    """The default scenes: the built-in ones, and two SuperTuxKart tracks where their data are installed."""
+    from supersampling.scenes.stk import find_data
+
+    tracks = ["stk/zengarden", "stk/black_forest"] if find_data() else []
+    return ["atrium", "foundry", *tracks]
+
+
+class Rendered(DataSource):
     """One file a scene and split, in ``folder``; ``path`` is the file of the scene ``gltf``.
 
     ``train``, ``val`` and ``test`` hold ``clips``, ``frames``, ``targets`` (how many of a clip's last frames get one; null for

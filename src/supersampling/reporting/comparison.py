@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from supersampling.errors import UserError
-from supersampling.reporting.directions import better
+from supersampling.metrics.directions import better
 from supersampling.reporting.seeds import SHORT, Group
 from supersampling.reporting.selection import settings
 from supersampling.runs.estimates import PLACE, ClipTables, difference, estimate
@@ -167,7 +167,9 @@ def _notes(a: Group, b: Group, compared: Sequence[Compared], tables: ClipTables)
         if item.verdict == NO_INTERVAL and item.difference.clips > 1:
             notes.append(f"{item.metric} is infinite on a clip (output equals target there): no interval.")
         if better(item.metric) is None:
-            notes.append(f"{item.metric}: reporting/directions.py does not state which way is better.")
+            notes.append(
+                f"{item.metric}: no metric of the project has this name, so it is unknown which way is better."
+            )
     return notes
 
 

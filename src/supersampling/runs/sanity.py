@@ -10,9 +10,9 @@ from omegaconf import DictConfig, OmegaConf
 
 from supersampling.config import choices
 from supersampling.data.module import fingerprint
-from supersampling.evaluation.playback import Playback, Targets
+from supersampling.evaluation.playback import Playback, TargetImages
 from supersampling.evaluation.result import Result, evaluate
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.models.nearest import Nearest
 from supersampling.runs import tags
@@ -38,7 +38,7 @@ def score_sanity(cfg: DictConfig, files: list[Path], experiment: Experiment) -> 
     Returns the means over all clips of each, by metric.
     """
     rows: dict[str, Upsampler] = {
-        "reference": Playback(cfg.task.scale, Targets(files)),
+        "reference": Playback(cfg.task.scale, TargetImages(files)),
         "raw input": Nearest(cfg.task.scale),
     }
     return {

@@ -9,7 +9,7 @@ from mlflow.exceptions import MlflowException
 
 from supersampling.evaluation.result import Result
 from supersampling.metrics import scores
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment
 
@@ -24,7 +24,7 @@ def log_result(experiment: Experiment, run_id: str, result: Result, more: Mappin
     client = experiment.client
     previous = scores_of(experiment, run_id)
     if previous is not None:
-        result = result.keep(previous)
+        result = result.merge(previous)
     experiment.log_metrics(run_id, {**result.summary(), **more})
     client.log_table(run_id, result.clips, "clips.json")
     client.log_table(run_id, result.frames, "frames.json")

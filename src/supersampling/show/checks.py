@@ -1,5 +1,5 @@
-"""What a look at a clip measures: whether its motion vectors carry one frame onto the next, what they cannot carry, and how
-much smoother its lighting is than its radiance."""
+"""Measurements on a clip: the errors of its motion vectors, its disocclusions, and the smoothness of its lighting
+relative to its radiance."""
 
 from dataclasses import dataclass
 
@@ -10,15 +10,17 @@ from numpy.typing import NDArray
 from supersampling.ops.demodulate import demodulate
 from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import outside, warp
-from supersampling.show.clip import Array, Clip
+from supersampling.show.clip import Array, ClipView
 
 MASK_THRESHOLD = 0.1  # low-resolution pixels (Li et al. 2024, NSRD, section 3.2)
 
 
 @dataclass(frozen=True, eq=False)
 class WarpCheck:
-    """The previous target warped onto this one, ``warped (3, H, W)``; the absolute differences to this one of it and of the
-    previous target as it was, ``(H, W)``, means over the channels; ``inside (H, W)``: the previous position is in the image.
+    """The previous target warped to the current one, ``warped (3, H, W)``, and its errors.
+
+    ``error`` and ``still_error (H, W)`` are the absolute differences of the warped and of the unwarped previous target
+    to the current one, means over the channels; ``inside (H, W)``: the previous position is in the image.
     """
 
     warped: Array
@@ -28,17 +30,18 @@ class WarpCheck:
 
     @property
     def mean(self) -> float:
-        """Mean error of the warped target over the pixels inside, in [0, 1]; NaN where there is none."""
+        """Return the mean error of the warped target over the pixels inside, in [0, 1]; NaN without such pixels."""
         return float(self.error[self.inside].mean()) if self.inside.any() else float("nan")
 
     @property
     def still_mean(self) -> float:
-        """As `mean`, without the warp."""
+        """Return the mean error of the unwarped target, as `mean`."""
         return float(self.still_error[self.inside].mean()) if self.inside.any() else float("nan")
 
 
-def warp_check(previous: Array, target: Array, motion: Array) -> WarpCheck:
-    """Warp ``previous (3, H, W)`` by ``motion``, ``(2, H, W)`` or low-resolution ``(2, h, w)``, and compare with ``target``.
+def compare_warped(previous: Array, target: Array, motion: Array) -> WarpCheck:
+    """Warp ``previous (3, H, W)`` by ``motion``, ``(2, H, W)`` or low-resolution ``(2, h, w)``, and compare with
+    ``target``.
 
     Vectors that are not finite count as leaving the image.
     """
@@ -54,26 +57,30 @@ def warp_check(previous: Array, target: Array, motion: Array) -> WarpCheck:
     )
 
 
-def warp_check_of(clip: Clip, frame: int) -> WarpCheck | None:
-    """The check of a frame onto which its predecessor can be warped, else ``None``: both targets and motion have to be there.
+def check_warp(clip: ClipView, frame: int) -> WarpCheck | None:
+    """Return the check of a frame; None if one of the two targets or the motion is missing.
 
-    High-resolution motion vectors are taken where there are any.
+    High-resolution motion vectors are preferred if the clip has them.
     """
     motion = clip.find(frame, "high_motion", "motion")
     if motion is None or not clip.has("target", frame) or not clip.has("target", frame - 1):
         return None
-    return warp_check(clip.read("target", frame - 1), clip.read("target", frame), clip.read(motion, frame))
+    return compare_warped(clip.read("target", frame - 1), clip.read("target", frame), clip.read(motion, frame))
 
 
 def disoccluded(motion: Array, dual: Array, threshold: float = MASK_THRESHOLD) -> NDArray[np.bool_]:
-    """``(h, w)``: the motion mask of NSRD, section 3.2: both vectors ``(2, h, w)`` differ by ``threshold`` pixels on an axis."""
+    """Return the motion mask ``(h, w)`` of NSRD, section 3.2: the vectors differ by at least ``threshold`` pixels on an
+    axis.
+
+    Both vectors are ``(2, h, w)``.
+    """
     height, width = motion.shape[-2:]
     pixels = np.abs(dual - motion) * np.array((width, height), dtype=np.float32)[:, None, None]
     return (pixels >= threshold).any(axis=0)
 
 
-def lighting_of(clip: Clip, frame: int) -> Array | None:
-    """Demodulated lighting ``(3, h, w)``, else ``None``: radiance, material and emission have to be there."""
+def read_lighting(clip: ClipView, frame: int) -> Array | None:
+    """Return demodulated lighting ``(3, h, w)``; None if radiance, material or emission is missing."""
     names = ("radiance", "material", "emission")
     if not all(clip.has(name, frame) for name in names):
         return None
@@ -82,9 +89,9 @@ def lighting_of(clip: Clip, frame: int) -> Array | None:
 
 
 def gradient_energy(image: Array) -> float:
-    """Mean squared difference of neighbours (both axes) over the mean square of ``(C, h, w)``: free of the image's unit.
+    """Return the mean squared difference of neighbours (both axes) divided by the mean square of ``(C, h, w)``.
 
-    0 for a black image.
+    It does not depend on the image's unit; 0 for a black image.
     """
     values = image.astype(np.float64)
     power = float(np.square(values).mean())

@@ -1,11 +1,11 @@
-"""One clip of a data set file, as far as the file holds it."""
+"""View of one clip of a data set file."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supersampling.data.store import Store
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS
 
@@ -13,60 +13,59 @@ Array = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
-class Clip:
-    """Clip number ``index`` of ``store``; ``names`` are the buffers to look at, of which the file may hold a part.
+class ClipView:
+    """Clip number ``index`` of the data set ``file``; ``names`` are the buffers to show, some of which may be missing.
 
     Raises:
-        UserError: the file has no such clip.
+        UserError: the file does not have this clip.
     """
 
-    store: Store
+    file: DatasetFile
     index: int
     names: frozenset[str] = frozenset(BUFFERS)
 
     def __post_init__(self) -> None:
-        if not 0 <= self.index < self.store.clips:
-            raise UserError(f"{self.store.path} has no clip {self.index}: it holds {self.store.clips}, counted from 0.")
+        if not 0 <= self.index < self.file.clips:
+            raise UserError(f"Invalid clip={self.index}: use 0 to {self.file.clips - 1} for {self.file.path}.")
 
     @property
     def frames(self) -> int:
-        return self.store.spec.frames
+        return self.file.spec.frames
 
     @property
     def low_size(self) -> tuple[int, int]:
-        """``(w, h)``."""
-        (width, height), scale = self.size, self.store.spec.scale
+        """Return ``(w, h)``."""
+        (width, height), scale = self.size, self.file.spec.scale
         return width // scale, height // scale
 
     @property
     def size(self) -> tuple[int, int]:
-        """``(W, H)``."""
-        return self.store.spec.target_size
+        """Return ``(W, H)``."""
+        return self.file.spec.target_size
 
-    def checked(self, frame: int | None) -> int:
-        """A frame's number; ``None`` is the last one.
+    def resolve_frame(self, frame: int | None) -> int:
+        """Return the number of a frame; ``None`` is the last one.
 
         Raises:
-            UserError: the clip has no such frame.
+            UserError: the clip does not have this frame.
         """
         if frame is None:
             return self.frames - 1
         if not 0 <= frame < self.frames:
             raise UserError(
-                f"The clips of {self.store.path} have no frame {frame}: use frame=0 to {self.frames - 1}, or null "
-                "for the last one."
+                f"Invalid frame={frame}: use 0 to {self.frames - 1} for {self.file.path}, or null for the last frame."
             )
         return frame
 
     def has(self, name: str, frame: int) -> bool:
-        """Whether this frame's buffer is there; high-resolution ones may be for the last frames only."""
-        first = self.frames - self.store.spec.targets if BUFFERS[name].resolution == "high" else 0
-        return name in self.names & self.store.buffers and first <= frame < self.frames
+        """Return whether a frame has a buffer; high-resolution buffers may exist for the last frames only."""
+        first = self.frames - self.file.spec.targets if BUFFERS[name].resolution == "high" else 0
+        return name in self.names & self.file.buffers and first <= frame < self.frames
 
     def read(self, name: str, frame: int) -> Array:
-        """``(C, h, w)``, ``(C, H, W)`` or, the jitter, ``(2,)``; float32 in the buffer's range."""
-        return self.store.read(name, self.index, slice(frame, frame + 1))[0]
+        """Return a buffer ``(C, h, w)`` or ``(C, H, W)``, or jitter ``(2,)``; float32 in the buffer's range."""
+        return self.file.read(name, self.index, slice(frame, frame + 1))[0]
 
     def find(self, frame: int, *names: str) -> str | None:
-        """The first of ``names`` that is there."""
+        """Return the first of ``names`` that the frame has; None if it has none of them."""
         return next((name for name in names if self.has(name, frame)), None)

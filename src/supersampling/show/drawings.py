@@ -1,4 +1,4 @@
-"""What is drawn rather than read: the motion wheel's legend, the jitter positions, and text."""
+"""Drawings: the legend of the motion wheel, the jitter positions, and text."""
 
 from functools import cache
 from pathlib import Path
@@ -16,7 +16,7 @@ INK = (235, 235, 235)
 FAINT = (165, 168, 175)
 _LINE = (95, 98, 106)
 _NOW = (255, 176, 32)
-_FINE = 4  # drawn this much larger, then reduced: smooth edges
+_FINE = 4  # factor by which drawings are enlarged before they are reduced, for smooth edges
 
 
 @cache
@@ -26,9 +26,10 @@ def font(size: int, bold: bool = False) -> ImageFont.FreeTypeFont:
 
 
 def wheel(size: tuple[int, int], full: float) -> Picture:
-    """The colours of motion: a disc of radius ``full`` pixels, each point the colour of the vector from the centre to it."""
+    """Draw the colours of motion: a disc of radius ``full`` pixels whose points have the colour of the vector from the
+    centre."""
     width, height = size
-    radius = max(1.0, min(width / 2 - 38.0, height / 2 - 18.0))  # room for the words
+    radius = max(1.0, min(width / 2 - 38.0, height / 2 - 18.0))  # room for the labels
     y, x = np.mgrid[0:height, 0:width] + 0.5
     vectors = np.stack((x - width / 2.0, y - height / 2.0)).astype(np.float32) * (full / radius)
     disc = np.hypot(*vectors) <= full
@@ -36,29 +37,31 @@ def wheel(size: tuple[int, int], full: float) -> Picture:
     picture[~disc] = GROUND
     image = Image.fromarray(picture)
     draw, text = ImageDraw.Draw(image), font(11)
-    for place, label, anchor in (
+    for position, label, anchor in (
         ((width / 2, 9), "up", "mm"),
         ((width / 2, height - 9), "down", "mm"),
         ((width / 2 - radius - 4, height / 2), "left", "rm"),
         ((width / 2 + radius + 4, height / 2), "right", "lm"),
     ):
-        draw.text(place, label, fill=FAINT, font=text, anchor=anchor)
+        draw.text(position, label, fill=FAINT, font=text, anchor=anchor)
     return np.asarray(image)
 
 
 def jitter(size: tuple[int, int], positions: Array, scale: int) -> Picture:
-    """A low-resolution pixel with its ``scale x scale`` target pixels: earlier sample positions ``(T, 2)`` grey, the last one
-    orange."""
+    """Draw a low-resolution pixel with its ``scale x scale`` target pixels and the sample positions ``(T, 2)``.
+
+    The last position is orange, earlier ones are grey.
+    """
     width, height = (_FINE * side for side in size)
     image = Image.new("RGB", (width, height), GROUND)
     draw = ImageDraw.Draw(image)
     side = min(width, height) - 16 * _FINE
     left, top = (width - side) / 2, (height - side) / 2
     for k in range(scale + 1):
-        at = side * k / scale
+        offset = side * k / scale
         thick = 2 * _FINE if k in (0, scale) else _FINE
-        draw.line((left + at, top, left + at, top + side), fill=_LINE, width=thick)
-        draw.line((left, top + at, left + side, top + at), fill=_LINE, width=thick)
+        draw.line((left + offset, top, left + offset, top + side), fill=_LINE, width=thick)
+        draw.line((left, top + offset, left + side, top + offset), fill=_LINE, width=thick)
     radius = side / max(40, 6 * scale)
     for k, (x, y) in enumerate(positions):
         last = k == len(positions) - 1

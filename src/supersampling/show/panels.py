@@ -1,4 +1,4 @@
-"""The panels of one frame: every buffer that is there, and what follows from those."""
+"""The panels of one frame: all its buffers, and images that are derived from them."""
 
 from collections.abc import Callable
 
@@ -6,40 +6,40 @@ import numpy as np
 
 from supersampling.frames import BUFFERS, Kind
 from supersampling.show import drawings, paint
-from supersampling.show.checks import MASK_THRESHOLD, disoccluded, gradient_energy, lighting_of, warp_check_of
-from supersampling.show.clip import Array, Clip
+from supersampling.show.checks import MASK_THRESHOLD, check_warp, disoccluded, gradient_energy, read_lighting
+from supersampling.show.clip import Array, ClipView
 from supersampling.show.paint import Picture
 from supersampling.show.scales import Scales, error_scale, exposure, in_pixels
 from supersampling.show.sheet import Panel, Section
 
 Styled = tuple[Picture, str]
-Style = Callable[[Array, Clip, Scales], Styled]
+Style = Callable[[Array, ClipView, Scales], Styled]
 
 
-def _light(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _light(values: Array, clip: ClipView, scales: Scales) -> Styled:
     return paint.light(values, scales.stops), f"{span(values)}, tonemapped at {_times(scales.stops)} exposure"
 
 
-def _motion(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _motion(values: Array, clip: ClipView, scales: Scales) -> Styled:
     pixels = in_pixels(clip, values)
     longest = float(np.hypot(*pixels).max())
     return paint.motion(pixels, scales.motion), f"up to {longest:.3g} px; full colour at {scales.motion:g} px"
 
 
-def _depth(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _depth(values: Array, clip: ClipView, scales: Scales) -> Styled:
     surfaces = values[values < 1.0]
-    note = f"{span(surfaces)}, near is yellow, sky black" if surfaces.size else "sky alone"
+    note = f"{span(surfaces)}, near is yellow, sky black" if surfaces.size else "only sky"
     return paint.depth(values, scales.nearest, scales.farthest), note
 
 
-def _ids(values: Array, clip: Clip, scales: Scales) -> Styled:
+def _ids(values: Array, clip: ClipView, scales: Scales) -> Styled:
     shown = np.unique(values[values > 0])
     if shown.size < 2:
-        return paint.ids(values), f"object {shown[0]:.0f} alone" if shown.size else "sky alone"
+        return paint.ids(values), f"only object {shown[0]:.0f}" if shown.size else "only sky"
     return paint.ids(values), f"{shown.size} objects, numbers {shown[0]:.0f} to {shown[-1]:.0f}"
 
 
-# How each kind of buffer is painted; depth has a colour map of its own.
+# The style of each kind of buffer; depth has a separate colour map.
 _STYLES: dict[Kind, Style] = {
     "display": lambda values, *_: (paint.colour(values), f"{span(values)}, as it is"),
     "light": _light,
@@ -51,14 +51,14 @@ _STYLES: dict[Kind, Style] = {
 }
 
 
-# As in `BUFFERS`, but for the two kinds of motion vectors, which stand side by side.
+# As in `BUFFERS`, except that the two kinds of motion vectors are side by side.
 _ORDER = list(BUFFERS)
 _ORDER.remove("motion_dual")
 _ORDER.insert(_ORDER.index("motion") + 1, "motion_dual")
 
 
 def span(values: Array) -> str:
-    """The range of some numbers in words."""
+    """Return the range of the values in words."""
     if values.min() == values.max():
         return f"all {float(values.min()):.3g}"
     return f"{float(values.min()):.3g} to {float(values.max()):.3g}"
@@ -69,7 +69,7 @@ def _times(stops: int) -> str:
 
 
 def _finite(title: str, values: Array, style: Callable[[Array], Styled]) -> Panel:
-    """A panel whose NaN and infinite pixels stand out and are counted."""
+    """Return a panel in which NaN and infinite pixels are highlighted and counted."""
     broken = ~np.isfinite(values).all(axis=0)
     picture, note = style(np.where(np.isfinite(values), values, np.float32(0.0)) if broken.any() else values)
     if broken.any():
@@ -79,18 +79,18 @@ def _finite(title: str, values: Array, style: Callable[[Array], Styled]) -> Pane
     return Panel(title, note, picture)
 
 
-def buffer_panel(clip: Clip, frame: int, name: str, scales: Scales) -> Panel:
-    """One image buffer."""
+def buffer_panel(clip: ClipView, frame: int, name: str, scales: Scales) -> Panel:
+    """Return the panel of an image buffer."""
     style = _depth if name.endswith("depth") else _STYLES[BUFFERS[name].kind]
     return _finite(name, clip.read(name, frame), lambda values: style(values, clip, scales))
 
 
-def jitter_panel(clip: Clip, frame: int, size: tuple[int, int]) -> Panel:
-    """Where this frame's sample lies in its pixel, and where the clip's earlier ones lay."""
+def jitter_panel(clip: ClipView, frame: int, size: tuple[int, int]) -> Panel:
+    """Return the panel of the sample positions in a pixel: that of this frame and those of earlier frames."""
     positions = np.stack([clip.read("jitter", t) for t in range(frame + 1)])
     x, y = positions[-1]
-    note = f"({x:+.3f}, {y:+.3f}) of [-0.5, 0.5), orange; earlier ones grey"
-    return Panel("jitter", note, drawings.jitter(size, positions, clip.store.spec.scale))
+    note = f"({x:+.3f}, {y:+.3f}) of [-0.5, 0.5), orange; earlier frames grey"
+    return Panel("jitter", note, drawings.jitter(size, positions, clip.file.spec.scale))
 
 
 def wheel_panel(scales: Scales, size: tuple[int, int]) -> Panel:
@@ -98,9 +98,9 @@ def wheel_panel(scales: Scales, size: tuple[int, int]) -> Panel:
     return Panel("motion's colours", note, drawings.wheel(size, scales.motion))
 
 
-def lighting_panel(clip: Clip, frame: int) -> list[Panel]:
-    """Demodulated lighting, where the file has what it takes."""
-    values = lighting_of(clip, frame)
+def lighting_panel(clip: ClipView, frame: int) -> list[Panel]:
+    """Return the panel of demodulated lighting, if the file has the necessary buffers."""
+    values = read_lighting(clip, frame)
     if values is None:
         return []
     stops = exposure(values)
@@ -110,9 +110,9 @@ def lighting_panel(clip: Clip, frame: int) -> list[Panel]:
     return [_finite("lighting", values, lambda v: (paint.light(v, stops), f"{span(v)}, {note}"))]
 
 
-def warp_panels(clip: Clip, frame: int, full: float | None = None) -> list[Panel]:
-    """The warp check, where both targets and motion are there: errors with and without it, bright at ``full``."""
-    check = warp_check_of(clip, frame)
+def warp_panels(clip: ClipView, frame: int, full: float | None = None) -> list[Panel]:
+    """Return the panels of the warp check if it exists: errors with and without the warp, bright at ``full``."""
+    check = check_warp(clip, frame)
     if check is None:
         return []
     full = full or error_scale(check.still_error)
@@ -120,7 +120,7 @@ def warp_panels(clip: Clip, frame: int, full: float | None = None) -> list[Panel
     return [
         Panel(
             "previous target, warped",
-            "carried onto this frame by its motion vectors",
+            "carried to this frame by its motion vectors",
             paint.colour(check.warped),
         ),
         Panel(
@@ -136,34 +136,34 @@ def warp_panels(clip: Clip, frame: int, full: float | None = None) -> list[Panel
     ]
 
 
-def mask_panel(clip: Clip, frame: int) -> list[Panel]:
-    """Disocclusions over the colour, where both kinds of motion vectors are there."""
+def mask_panel(clip: ClipView, frame: int) -> list[Panel]:
+    """Return the panel of disocclusions over the colour, if both kinds of motion vectors exist."""
     if not (clip.has("motion", frame) and clip.has("motion_dual", frame)):
         return []
     mask = disoccluded(clip.read("motion", frame), clip.read("motion_dual", frame))
-    under = (
+    background = (
         paint.colour(clip.read("color", frame))
         if clip.has("color", frame)
         else np.full((*mask.shape, 3), 128, dtype=np.uint8)
     )
-    note = f"{100 * mask.mean():.1f}% in red: |motion_dual - motion| of {MASK_THRESHOLD:g} px or more"
-    return [Panel("disocclusion mask", note, paint.masked(under, mask))]
+    note = f"{100 * mask.mean():.1f}% in red: |motion_dual - motion| of at least {MASK_THRESHOLD:g} px"
+    return [Panel("disocclusion mask", note, paint.masked(background, mask))]
 
 
-def sections(clip: Clip, frame: int, size: tuple[int, int]) -> list[Section]:
-    """All panels of a frame whose pictures are shown at ``size``."""
-    scales = Scales.of(clip, frame)
-    there = [name for name in _ORDER if clip.has(name, frame)]
-    low = [buffer_panel(clip, frame, n, scales) for n in there if BUFFERS[n].resolution == "low"]
-    high = [buffer_panel(clip, frame, n, scales) for n in there if BUFFERS[n].resolution == "high"]
-    if "jitter" in there:
+def sections(clip: ClipView, frame: int, size: tuple[int, int]) -> list[Section]:
+    """Return all panels of a frame, for pictures that are shown at ``size``."""
+    scales = Scales.measure(clip, frame)
+    names = [name for name in _ORDER if clip.has(name, frame)]
+    low = [buffer_panel(clip, frame, n, scales) for n in names if BUFFERS[n].resolution == "low"]
+    high = [buffer_panel(clip, frame, n, scales) for n in names if BUFFERS[n].resolution == "high"]
+    if "jitter" in names:
         low.append(jitter_panel(clip, frame, size))
-    if any(BUFFERS[n].kind == "plane" and BUFFERS[n].resolution != "frame" for n in there):
+    if any(BUFFERS[n].kind == "plane" and BUFFERS[n].resolution != "frame" for n in names):
         low.append(wheel_panel(scales, size))
     derived = [*lighting_panel(clip, frame), *mask_panel(clip, frame), *warp_panels(clip, frame)]
     (width, height), (low_width, low_height) = clip.size, clip.low_size
     return [
-        Section(f"Input, {low_width} x {low_height}, one sample a pixel", low),
+        Section(f"Input, {low_width} x {low_height}, one sample per pixel", low),
         Section(f"Target resolution, {width} x {height}", high),
         Section("Derived", derived),
     ]

@@ -1,23 +1,23 @@
-"""What full colour means in a clip's pictures: one exposure, one depth range and one length of motion for all of them."""
+"""The scales of a clip's pictures: one exposure, one depth range and one length of motion for all of them."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from supersampling.show.clip import Array, Clip
+from supersampling.show.clip import Array, ClipView
 
 _LIGHT = ("radiance", "target_radiance", "emission", "high_emission")
 _MOTION = ("motion", "high_motion", "motion_dual")
-_TOLERATED = 3  # stops: exposed radiance is shown as it is, unless that would be near black or white
-_LEAST_MOTION = 0.1  # low-resolution pixels: below this the wheel would show rounding
+_TOLERATED = 3  # stops: exposed radiance is shown unchanged, unless it would be near black or white
+_LEAST_MOTION = 0.1  # low-resolution pixels; with less, the wheel would show rounding errors
 _LEAST_ERROR = 4.0 / 255.0
 
 
 @dataclass(frozen=True)
 class Scales:
-    """``stops`` of exposure, ``nearest`` and ``farthest`` depth of surfaces, ``motion`` at full colour in low-resolution
-    pixels."""
+    """Exposure in ``stops``, ``nearest`` and ``farthest`` depth of surfaces, and ``motion`` at full colour in
+    low-resolution pixels."""
 
     stops: int
     nearest: float
@@ -25,8 +25,8 @@ class Scales:
     motion: float
 
     @classmethod
-    def of(cls, clip: Clip, frame: int) -> "Scales":
-        """Exposure and depth of one frame; motion of the whole clip, so that its frames can be compared."""
+    def measure(cls, clip: ClipView, frame: int) -> "Scales":
+        """Measure exposure and depth in one frame, and motion in the whole clip, so that its frames can be compared."""
         light = clip.find(frame, *_LIGHT)
         depth = clip.find(frame, "depth", "high_depth")
         nearest, farthest = depth_range(clip.read(depth, frame)) if depth else (0.0, 1.0)
@@ -40,29 +40,30 @@ class Scales:
 
 
 def exposure(light: Array) -> int:
-    """Whole stops that bring the 95th percentile of a linear image ``(3, h, w)`` nearest to 1; 0 for a black one."""
+    """Return the integer stops that bring the 95th percentile of a linear image ``(3, h, w)`` nearest to 1; 0 if
+    black."""
     bright = float(np.nanpercentile(np.where(np.isfinite(light), light, np.nan).max(axis=0), 95.0))
     return -round(math.log2(bright)) if bright > 0.0 else 0
 
 
 def depth_range(depth: Array) -> tuple[float, float]:
-    """Least and largest depth of what is not sky; (0, 1) where all is sky."""
+    """Return the smallest and the largest depth of surfaces; (0, 1) if the image shows only sky."""
     surfaces = depth[np.isfinite(depth) & (depth < 1.0)]
     return (float(surfaces.min()), float(surfaces.max())) if surfaces.size else (0.0, 1.0)
 
 
 def error_scale(error: Array) -> float:
-    """The 99.5th percentile of an error, at least 4/255."""
+    """Return the 99.5th percentile of an error, at least 4/255."""
     return max(float(np.percentile(error, 99.5)), _LEAST_ERROR)
 
 
-def in_pixels(clip: Clip, motion: Array) -> Array:
-    """Motion ``(2, ...)`` in low-resolution pixels instead of units of the image."""
+def in_pixels(clip: ClipView, motion: Array) -> Array:
+    """Return motion ``(2, ...)`` in low-resolution pixels instead of units of the image."""
     return motion * np.array(clip.low_size, dtype=np.float32)[:, None, None]
 
 
-def _motion_scale(clip: Clip, frame: int) -> float:
-    """The 99.5th percentile of the clip's motion, rounded up to two digits."""
+def _motion_scale(clip: ClipView, frame: int) -> float:
+    """Return the 99.5th percentile of the clip's motion, rounded up to two digits."""
     name = clip.find(frame, *_MOTION)
     if name is None:
         return _LEAST_MOTION
@@ -70,8 +71,8 @@ def _motion_scale(clip: Clip, frame: int) -> float:
     for t in range(clip.frames):
         if clip.has(name, t):
             lengths.append(np.hypot(*in_pixels(clip, clip.read(name, t))).ravel())
-    every = np.concatenate(lengths)
-    every = every[np.isfinite(every)]
-    longest = max(float(np.percentile(every, 99.5)) if every.size else 0.0, _LEAST_MOTION)
+    values = np.concatenate(lengths)
+    values = values[np.isfinite(values)]
+    longest = max(float(np.percentile(values, 99.5)) if values.size else 0.0, _LEAST_MOTION)
     step = 10.0 ** (math.floor(math.log10(longest)) - 1)
     return round(math.ceil(longest / step - 1e-9) * step, 12)

@@ -11,12 +11,12 @@ from hydra.utils import instantiate
 from mlflow.entities import Run
 from omegaconf import DictConfig, OmegaConf
 
-from supersampling.data.module import Source, fingerprint
+from supersampling.data.module import DataSource, fingerprint
 from supersampling.errors import clear_traceback_frames, was_interrupted
 from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
 from supersampling.losses import Loss
-from supersampling.metrics.chosen import Metrics
+from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.models.count import size_of
 from supersampling.runs import tags
@@ -48,7 +48,7 @@ def scoring_buffers(cfg: DictConfig) -> frozenset[str]:
 
 def data_files(cfg: DictConfig, jobs: Sequence[DictConfig]) -> Files:
     """Return the files of every split, with the buffers that these jobs read; metrics read the test clips only."""
-    source: Source = instantiate(cfg.data)
+    source: DataSource = instantiate(cfg.data)
     fitted = frozenset().union(*map(fitting_buffers, jobs))
     scored = fitted.union(*map(scoring_buffers, jobs))
     return source.files(("train", "val"), fitted) | source.files(("test",), scored)

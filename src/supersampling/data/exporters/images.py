@@ -1,4 +1,4 @@
-"""PNG and EXR images as the capture layouts have them."""
+"""Writers of the PNG and EXR images of capture layouts."""
 
 from pathlib import Path
 
@@ -9,18 +9,18 @@ from PIL import Image as Pillow
 
 
 def write_png(path: Path, image: NDArray[np.float32]) -> None:
-    """``(h, w, 3)`` in [0, 1] as 8-bit RGB, rounded to nearest."""
+    """Write ``(h, w, 3)`` in [0, 1] as 8-bit RGB, rounded to nearest."""
     write_png8(path, np.round(np.clip(image, 0.0, 1.0) * 255.0).astype(np.uint8))
 
 
 def write_png8(path: Path, image: NDArray[np.uint8]) -> None:
-    """``(h, w, 3 or 4)`` as RGB or RGBA."""
+    """Write ``(h, w, 3 or 4)`` as RGB or RGBA."""
     path.parent.mkdir(parents=True, exist_ok=True)
     Pillow.fromarray(image).save(path, compress_level=1)
 
 
 def write_exr(path: Path, image: NDArray[np.floating], channels: str, half: bool = True) -> None:
-    """``(h, w, len(channels))`` as half floats, cut at their largest, or as 32-bit floats."""
+    """Write ``(h, w, len(channels))`` as half floats, clamped to their range, or as 32-bit floats."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if half:
         image = np.clip(image, -65504.0, 65504.0)

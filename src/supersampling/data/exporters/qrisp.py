@@ -1,10 +1,11 @@
-"""Writes QRISP's layout (`supersampling.data.readers.qrisp`): jittered colour, depth and motion, camera data and the target."""
+"""Writer of QRISP's layout (`supersampling.data.readers.qrisp`): jittered inputs, camera data and the target."""
 
 import json
 from pathlib import Path
 
+from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.images import write_exr, write_png, write_png8
-from supersampling.data.exporters.source import frames_of, scene_name
+from supersampling.data.exporters.source import read_frames, scene_name
 from supersampling.data.readers.camera_data import KEY
 from supersampling.data.readers.qrisp import (
     CAMERA,
@@ -16,31 +17,30 @@ from supersampling.data.readers.qrisp import (
     encode_depth,
     modality,
 )
-from supersampling.data.store import Store
 
-NEEDED = Qrisp.buffers
+REQUIRED = Qrisp.buffers
 
 
-def export_qrisp(store: Store, folder: Path) -> None:
-    """All clips below ``folder``: clip ``k`` becomes segment ``k``; what is no test split goes to ``TrainSet``.
+def export_qrisp(dataset: DatasetFile, folder: Path) -> None:
+    """Write all clips below ``folder``: clip ``k`` becomes segment ``k``; splits other than test go to ``TrainSet``.
 
-    Exact: colour, target, jitter to float32, depth above 0.004 (below to 1.3e-10). Motion is rounded to half floats (relative
-    5e-4). Folders are named for 1080p whatever the size.
+    Colour, target, jitter (in float32) and depth above 0.004 are exact; smaller depth has errors up to 1.3e-10. Motion
+    is rounded to half floats (relative 5e-4). Folder names state 1080p whatever the size.
     """
-    scale = store.spec.scale
+    scale = dataset.spec.scale
     check_scale(scale)
-    set_name = next((name for name, split in SPLITS.items() if split == store.spec.split), "TrainSet")
-    base = folder / set_name / scene_name(store)
+    set_name = next((name for name, split in SPLITS.items() if split == dataset.spec.split), "TrainSet")
+    base = folder / set_name / scene_name(dataset)
     low = base / RESOLUTIONS[scale][0]
-    for clip in range(store.clips):
+    for clip in range(dataset.clips):
         segment = f"{clip:04d}"
-        for t, frame in enumerate(frames_of(store, clip, NEEDED)):
+        for t, frame in enumerate(read_frames(dataset, clip, REQUIRED)):
             write_png(low / modality("", scale) / segment / f"{t:04d}.png", frame["color"])
             write_png8(low / modality("Depth", scale) / segment / f"{t:04d}.png", encode_depth(frame["depth"]))
-            motion = Qrisp.motion.stored(frame["motion"])
+            motion = Qrisp.motion.encode(frame["motion"])
             write_exr(low / modality("MotionVectors", scale) / segment / f"{t:04d}.exr", motion, "RG")
             write_png(base.joinpath(*TARGET) / segment / f"{t:04d}.png", frame["target"])
-            x, y = Qrisp.jitter.stored(frame["jitter"]).tolist()
+            x, y = Qrisp.jitter.encode(frame["jitter"]).tolist()
             camera = low / CAMERA / segment / f"{t:04d}.json"
             camera.parent.mkdir(parents=True, exist_ok=True)
             camera.write_text(json.dumps({KEY: {"x": x, "y": y}}))

@@ -1,7 +1,8 @@
-"""Arm neural graphics captures (NSS data set specification 1.0.1): linear HDR images, a JSON for each sequence.
+"""Reader of Arm neural graphics captures (NSS data set specification 1.0.1): linear HDR images, one JSON per sequence.
 
-``<NNNN>.json``, ``ground_truth/<NNNN>/<frame>.exr``, ``motion_gt/...`` and ``x<scale>/{color,depth,motion}/<NNNN>/<frame>.exr``,
-below the capture's folder or below ``train``, ``val`` and ``test`` in it.
+``<NNNN>.json``, ``ground_truth/<NNNN>/<frame>.exr``, ``motion_gt/...`` and
+``x<scale>/{color,depth,motion}/<NNNN>/<frame>.exr``, below the capture's folder or below ``train``, ``val`` and
+``test`` in it.
 """
 
 from collections.abc import Iterable
@@ -12,20 +13,21 @@ import numpy as np
 import torch
 
 from supersampling.data.readers.conventions import Convention
-from supersampling.data.readers.files import Frames, number, numbers_of, read_json
+from supersampling.data.readers.files import Frames, frame_numbers, number, read_json
 from supersampling.data.readers.images import Image, exr_size, read_exr
-from supersampling.data.readers.layout import Clip, Layout
+from supersampling.data.readers.layout import CaptureClip, Layout
 from supersampling.data.readers.units import checked_jitter, checked_motion
 from supersampling.data.spec import SPLITS
 from supersampling.errors import UserError
 from supersampling.ops.display import radiance_to_display
 
 INFINITE_FAR = 5000.0
-"""What an infinite far plane is taken for, as in Arm's own reader; farther is 1 as well."""
+"""The distance that replaces an infinite far plane, as in Arm's reader; the depth of points beyond it is 1."""
 
 
 def linear_depth(stored: Image, near: float, far: float, reversed_z: bool) -> Image:
-    """A depth buffer in [0, 1] as linear view depth, 0 at the near and 1 at the far plane; ``far=-1`` is infinite.
+    """Return a depth buffer in [0, 1] as linear view depth, 0 at the near and 1 at the far plane; ``far=-1`` is
+    infinite.
 
     With ``e`` the stored depth that is 1 near and 0 far, view depth is ``near far / (near + e (far - near))``.
     """
@@ -38,14 +40,17 @@ def linear_depth(stored: Image, near: float, far: float, reversed_z: bool) -> Im
 
 
 def stored_depth(depth: Image, near: float, far: float) -> Image:
-    """The inverse of `linear_depth` for a finite far plane, forward (0 near), as the specification prefers."""
+    """Return the inverse of `linear_depth` for a finite far plane, forward (0 near), as the specification prefers."""
     exact = depth.astype(np.float64)
     return (1.0 - near * (1.0 - exact) / (near + exact * (far - near))).astype(np.float32)
 
 
 class Arm(Layout):
-    """See the module. Motion is ``current - previous`` in units of the image, x right and y down (Arm's notes on conventions:
-    ``query = grid - flow``); the sample lies at the pixel's centre plus jitter (its capture guide)."""
+    """The layout of the module's docstring.
+
+    Motion is ``current - previous`` in units of the image, x right and y down (Arm's notes on conventions:
+    ``query = grid - flow``); the sample lies at the pixel's centre plus jitter (Arm's capture guide).
+    """
 
     motion = Convention("-x-y")
     jitter = Convention("xy")
@@ -58,74 +63,73 @@ class Arm(Layout):
             "far_plane": f"infinite ones count as {INFINITE_FAR:g}",
         }
 
-    def clips(self) -> list[Clip]:
-        found: list[Clip] = []
+    def clips(self) -> list[CaptureClip]:
+        clips: list[CaptureClip] = []
         name = self.root.name.lower()
         for folder, split in (("", name if name in SPLITS else "train"), *((s, s) for s in SPLITS)):
             base = self.root.inside(folder)
             for sequence in self.root.folders(folder, f"x{self.scale}", "color"):
                 if not (base / f"{sequence}.json").is_file():
                     raise UserError(
-                        f"{base / sequence}.json is missing: the frames of sequence {sequence} need it; restore it."
+                        f"{base / sequence}.json is missing: restore it for the frames of sequence {sequence}."
                     )
             for path in sorted(base.glob("*.json")):
                 if path.stem.isascii() and path.stem.isdigit():
-                    found += self._sequence(base, path, split)
-        if not found:
-            raise UserError(f"{self.root.path} has no sequences named <number>.json: give the folder that holds them.")
-        return found
+                    clips += self._sequence(base, path, split)
+        if not clips:
+            raise UserError(f"{self.root.path} has no sequences named <number>.json: set path to their folder.")
+        return clips
 
-    def _sequence(self, base: Path, path: Path, split: str) -> list[Clip]:
+    def _sequence(self, base: Path, path: Path, split: str) -> list[CaptureClip]:
         meta = read_json(self.root.inside(path))
         entries = meta.get("Frames") if isinstance(meta, dict) else None
         entries = entries if isinstance(entries, list) and all(isinstance(e, dict) for e in entries) else None
         if entries is None or not isinstance(meta.get("ReverseZ"), bool):
-            raise UserError(
-                f"{path} lacks the list Frames or the truth value ReverseZ: write it as the specification says."
-            )
+            raise UserError(f"{path} has no list Frames or no boolean ReverseZ: write both as in the specification.")
         names = {"color": "color", "depth": "depth", "motion": "motion"}
         streams = {
             name: self.root.frames(base / f"x{self.scale}" / kind / path.stem, ".exr") for name, kind in names.items()
         }
         streams["target"] = self.root.frames(base / "ground_truth" / path.stem, ".exr")
         streams["high_motion"] = self.root.frames(base / "motion_gt" / path.stem, ".exr")
-        numbers = numbers_of(streams)
+        numbers = frame_numbers(streams)
         if len(numbers) != len(entries):
             raise UserError(
-                f"{path} describes {len(entries)} frames, but {len(numbers)} are there: restore what is missing."
+                f"{path} describes {len(entries)} frames, but {len(numbers)} exist: restore the missing frames."
             )
         cuts = [k for k, entry in enumerate(entries) if k and entry.get("CameraCut") is True]
-        sequence = Sequence(path, meta, streams)
+        sequence = ArmSequence(path, meta, streams)
         return [
             ArmClip(self, split, sequence, numbers[start:stop], entries[start:stop])
             for start, stop in zip([0, *cuts], [*cuts, len(numbers)])
         ]
 
 
-class Sequence:
-    """What a sequence's clips share: its JSON and its files."""
+class ArmSequence:
+    """The common parts of a sequence's clips: its JSON and its files."""
 
     def __init__(self, path: Path, meta: dict[str, Any], streams: dict[str, Frames]) -> None:
         self.path, self.streams = path, streams
         self.reversed_z: bool = meta["ReverseZ"]
         self._indices = meta.get("UpscalingRatiosIndices")
 
-    def jitter_of(self, entry: dict[str, Any], scale: int) -> Image:
-        """The frame's normalised jitter ``(2,)`` at a scale, as stored."""
-        listed = entry.get("NormalizedPerRatioJitter")
+    def read_jitter(self, entry: dict[str, Any], scale: int) -> Image:
+        """Return the frame's normalised jitter ``(2,)`` at a scale, as stored."""
+        ratios = entry.get("NormalizedPerRatioJitter")
         index = self._indices.get(f"x{scale}_index") if isinstance(self._indices, dict) else 0
-        if not isinstance(listed, list) or type(index) is not int or not 0 <= index < len(listed):
+        if not isinstance(ratios, list) or type(index) is not int or not 0 <= index < len(ratios):
             raise UserError(
-                f"{self.path} has no NormalizedPerRatioJitter for x{scale}: without jitter the inputs cannot be used."
+                f"{self.path} has no NormalizedPerRatioJitter for x{scale}: restore it, inputs without jitter cannot "
+                "be used."
             )
-        return np.array([number(listed[index], axis, self.path) for axis in "XY"], dtype=np.float32)
+        return np.array([number(ratios[index], axis, self.path) for axis in "XY"], dtype=np.float32)
 
 
-class ArmClip(Clip):
+class ArmClip(CaptureClip):
     """Consecutive frames of a sequence between two camera cuts."""
 
     def __init__(
-        self, layout: Arm, split: str, sequence: Sequence, numbers: list[int], entries: list[dict[str, Any]]
+        self, layout: Arm, split: str, sequence: ArmSequence, numbers: list[int], entries: list[dict[str, Any]]
     ) -> None:
         self._sequence, self._numbers, self._entries = sequence, numbers, entries
         self._conventions, self._scale = layout.conventions, layout.scale
@@ -133,8 +137,9 @@ class ArmClip(Clip):
         low = exr_size(sequence.streams["color"][numbers[0]])
         if (low[0] * layout.scale, low[1] * layout.scale) != size:
             raise UserError(
-                f"{sequence.streams['color'][numbers[0]]} has {low[0]}x{low[1]} pixels, which {layout.scale} times are not the "
-                f"{size[0]}x{size[1]} of the ground truth: correct task.scale."
+                f"{sequence.streams['color'][numbers[0]]} has {low[0]}x{low[1]} pixels, which times {layout.scale} is "
+                "not the "
+                f"size {size[0]}x{size[1]} of the ground truth: correct task.scale."
             )
         self._low_size = low
         label = str(sequence.path.relative_to(layout.root.path).with_suffix("")) + f"/{numbers[0]:04d}"
@@ -150,8 +155,8 @@ class ArmClip(Clip):
             yield from (stream[k] for k in self._numbers)
 
     def read(self, t: int, names: frozenset[str]) -> dict[str, Image]:
-        entry, number_ = self._entries[t], self._numbers[t]
-        paths = {name: stream[number_] for name, stream in self._sequence.streams.items()}
+        entry = self._entries[t]
+        paths = {name: stream[self._numbers[t]] for name, stream in self._sequence.streams.items()}
         out: dict[str, Image] = {}
         for shown, light, source, size in (
             ("color", "radiance", "color", self._low_size),
@@ -165,27 +170,29 @@ class ArmClip(Clip):
         for name, size in (("motion", self._low_size), ("high_motion", self.size)):
             if name in names:
                 stored = read_exr(paths[name], size, ("RG", "XY"))
-                out[name] = checked_motion(self._conventions.motion.ours(stored), paths[name])
+                out[name] = checked_motion(self._conventions.motion.decode(stored), paths[name])
         if "jitter" in names:
-            stored = self._sequence.jitter_of(entry, self._scale) * np.array(self._low_size, dtype=np.float32)
-            out["jitter"] = checked_jitter(self._conventions.jitter.ours(stored), self._sequence.path)
+            stored = self._sequence.read_jitter(entry, self._scale) * np.array(self._low_size, dtype=np.float32)
+            out["jitter"] = checked_jitter(self._conventions.jitter.decode(stored), self._sequence.path)
         return {name: image for name, image in out.items() if name in names}
 
     def _exposure(self, entry: dict[str, Any]) -> float:
         exposure = number(entry, "Exposure", self._sequence.path) if "Exposure" in entry else 1.0
         if exposure <= 0.0:
-            raise UserError(f"{self._sequence.path} has an Exposure of {exposure:g}: it must be above 0.")
+            raise UserError(f"Invalid Exposure={exposure:g} in {self._sequence.path}: use a positive number.")
         return exposure
 
     def _depth(self, path: Path, entry: dict[str, Any]) -> Image:
         near, far = (number(entry, key, self._sequence.path) for key in ("CameraNearPlane", "CameraFarPlane"))
         if near <= 0.0 or (far != -1.0 and far <= near):
             raise UserError(
-                f"{self._sequence.path} has the planes CameraNearPlane={near:g} and CameraFarPlane={far:g}: use "
+                f"Invalid CameraNearPlane={near:g} and CameraFarPlane={far:g} in {self._sequence.path}: use "
                 "0 < near < far, or -1 for an infinite far plane."
             )
         stored = read_exr(path, self._low_size, ("R", "Y", "Z"))
         if stored.min() < 0.0 or stored.max() > 1.0:
-            raise UserError(f"{path} holds depths from {stored.min():.4g} to {stored.max():.4g} instead of 0 to 1.")
-        told = self._conventions.reversed_depth
-        return linear_depth(stored, near, far, self._sequence.reversed_z if told is None else told)
+            raise UserError(
+                f"{path} has depths from {stored.min():.4g} to {stored.max():.4g}: export values between 0 and 1."
+            )
+        override = self._conventions.reversed_depth
+        return linear_depth(stored, near, far, self._sequence.reversed_z if override is None else override)

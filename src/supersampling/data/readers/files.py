@@ -1,4 +1,4 @@
-"""The files of a capture: no path may leave its folder, no frame may be missing, no JSON may surprise."""
+"""The files of a capture, checked: no path leaves the folder, no frame is missing, and JSON is valid."""
 
 import json
 import math
@@ -16,12 +16,12 @@ class Root:
     """A capture's folder.
 
     Raises:
-        UserError: there is no such folder.
+        UserError: the folder does not exist.
     """
 
     def __init__(self, path: Path) -> None:
         if not path.is_dir():
-            raise UserError(f"There is no capture folder {path}: correct path=.")
+            raise UserError(f"Capture folder {path} not found: correct path=.")
         self.path = path.resolve()
 
     @property
@@ -29,49 +29,45 @@ class Root:
         return self.path.name
 
     def inside(self, *parts: str | Path) -> Path:
-        """A path below the folder, links followed.
+        """Return a path below the folder.
 
         Raises:
-            UserError: it leaves the folder, through ``..`` or a symbolic link.
+            UserError: the path leaves the folder, through ``..`` or a symbolic link.
         """
         path = self.path.joinpath(*parts)
         real = path.resolve()
         if not real.is_relative_to(self.path):
-            raise UserError(
-                f"{path} leads out of the capture folder to {real}: a capture may only read files of its own; copy them there."
-            )
+            raise UserError(f"{path} leads out of the capture folder to {real}: copy the file into the folder.")
         return path
 
     def folders(self, *parts: str) -> list[str]:
-        """Names of the folders in a folder, sorted; none where it is missing."""
+        """Return the sorted names of the folders in a folder; none if it does not exist."""
         folder = self.inside(*parts)
         if not folder.is_dir():
             return []
         return sorted(entry.name for entry in folder.iterdir() if entry.is_dir())
 
     def frames(self, folder: Path, suffix: str) -> "Frames":
-        """The files ``<number><suffix>`` of a folder by their number, whatever zeros they are padded with.
+        """Return the files ``<number><suffix>`` of a folder by their number, with any padding by zeros.
 
         Raises:
-            UserError: the folder is missing or empty, or a number comes twice.
+            UserError: the folder is missing or has no such file, or two files have the same number.
         """
         folder = self.inside(folder)
-        found: dict[int, Path] = {}
+        files: dict[int, Path] = {}
         for file in sorted(folder.iterdir()) if folder.is_dir() else []:
             if file.suffix == suffix and file.stem.isascii() and file.stem.isdigit():
-                if int(file.stem) in found:
-                    raise UserError(f"{file} and {found[int(file.stem)].name} are the same frame: remove one of them.")
-                found[int(file.stem)] = self.inside(file)
-        if not found:
-            raise UserError(
-                f"{folder} holds no frames named <number>{suffix}: unpack this part of the capture as well."
-            )
-        return Frames(folder, suffix, found)
+                if int(file.stem) in files:
+                    raise UserError(f"{file} and {files[int(file.stem)].name} are the same frame: remove one of them.")
+                files[int(file.stem)] = self.inside(file)
+        if not files:
+            raise UserError(f"{folder} has no frames named <number>{suffix}: unpack this part of the capture as well.")
+        return Frames(folder, suffix, files)
 
 
 @dataclass(frozen=True)
 class Frames:
-    """One buffer's files of a clip, by frame number."""
+    """The files of one buffer of a clip, by frame number."""
 
     folder: Path
     suffix: str
@@ -81,11 +77,11 @@ class Frames:
         return self.files[number]
 
 
-def numbers_of(streams: Mapping[str, Frames]) -> list[int]:
-    """The frame numbers of a clip, of which every buffer must have every one.
+def frame_numbers(streams: Mapping[str, Frames]) -> list[int]:
+    """Return the frame numbers of a clip, from its first to its last frame.
 
     Raises:
-        UserError: names the first file that is missing.
+        UserError: a frame of a buffer is missing; the message names the first such file.
     """
     first = min(min(s.files) for s in streams.values())
     last = max(max(s.files) for s in streams.values())
@@ -94,21 +90,19 @@ def numbers_of(streams: Mapping[str, Frames]) -> list[int]:
             if number not in stream.files:
                 width = len(next(iter(stream.files.values())).stem)
                 missing = stream.folder / f"{number:0{width}d}{stream.suffix}"
-                raise UserError(f"{missing} is missing: frames {first} to {last} must all be there; restore it.")
+                raise UserError(f"{missing} is missing: restore it, all frames from {first} to {last} are required.")
     return list(range(first, last + 1))
 
 
 def read_json(path: Path) -> Any:
-    """The content of a JSON file.
+    """Return the content of a JSON file.
 
     Raises:
-        UserError: it is missing, larger than any capture's, or not JSON.
+        UserError: the file is missing, larger than that of any capture, or not JSON.
     """
     try:
         if path.stat().st_size > MAX_JSON:
-            raise UserError(
-                f"{path} has more than {MAX_JSON} bytes, too many for a capture's JSON: check where it is from."
-            )
+            raise UserError(f"{path} has more than {MAX_JSON} bytes, too many for a capture's JSON: check its origin.")
         return json.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError as error:
         raise UserError(f"{path} is missing: restore it.") from error
@@ -117,12 +111,12 @@ def read_json(path: Path) -> Any:
 
 
 def number(mapping: Any, key: str, path: Path) -> float:
-    """A finite number of a JSON object.
+    """Return a finite number of a JSON object.
 
     Raises:
-        UserError: names the file and the key.
+        UserError: the value is missing or not a finite number; the message names the file and the key.
     """
     value = mapping.get(key) if isinstance(mapping, dict) else None
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise UserError(f"{path} has no finite number {key!r} where one belongs (found {value!r}): correct it.")
+        raise UserError(f"Invalid {key} in {path} ({value!r}): write a finite number.")
     return float(value)

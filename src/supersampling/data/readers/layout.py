@@ -1,4 +1,4 @@
-"""The small interface that all capture layouts share: a list of clips, and the frames of a clip."""
+"""The common interface of all capture layouts: a list of clips, and the frames of a clip."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
@@ -13,17 +13,17 @@ from supersampling.data.readers.images import Image
 
 @dataclass(frozen=True)
 class Conventions:
-    """What a capture's vectors hold, and whether its depth runs from 1 near to 0 far (None: as documented)."""
+    """The conventions of a capture's vectors, and whether its depth runs from 1 near to 0 far (None: as documented)."""
 
     motion: Convention
     jitter: Convention
     reversed_depth: bool | None = None
 
 
-class Clip(ABC):
-    """Consecutive frames of a capture; files are read when a frame is asked for.
+class CaptureClip(ABC):
+    """Consecutive frames of a capture; files are read on request.
 
-    ``label`` is where they lie below the capture's folder, ``size`` the target's ``(width, height)`` in pixels.
+    ``label`` is their position below the capture's folder, ``size`` the target's ``(width, height)`` in pixels.
     """
 
     def __init__(self, scene: str, split: str, label: str, size: tuple[int, int]) -> None:
@@ -32,41 +32,42 @@ class Clip(ABC):
     @property
     @abstractmethod
     def frames(self) -> int:
-        """How many frames the clip has."""
+        """Return the number of frames."""
 
     @abstractmethod
     def files(self) -> Iterable[Path]:
-        """All files that the clip reads."""
+        """Return all files that the clip reads."""
 
     @abstractmethod
     def read(self, t: int, names: frozenset[str]) -> dict[str, Image]:
-        """Some buffers of frame ``t``, ``(h, w, C)`` (``(2,)`` for jitter) in our units and ranges (`supersampling.frames`).
+        """Return buffers of frame ``t``, ``(h, w, C)`` (``(2,)`` for jitter), in the project's units
+        (`supersampling.frames`).
 
         Raises:
-            UserError: names the file that is missing, broken, of the wrong size or in the wrong unit.
+            UserError: a file is missing, broken, of the wrong size or in the wrong unit; the message names it.
         """
 
 
 class Layout(ABC):
-    """A capture below a folder, seen at one scale."""
+    """Base class of the capture layouts: a capture below a folder, read at one scale."""
 
     motion: ClassVar[Convention]
-    """What the layout's documentation says that motion files hold."""
+    """The convention of motion files according to the layout's documentation."""
     jitter: ClassVar[Convention]
     buffers: ClassVar[frozenset[str]]
-    """All that its clips have."""
+    """All buffers of its clips."""
 
     def __init__(self, root: Root, scale: int, conventions: Conventions) -> None:
         self.root, self.scale, self.conventions = root, scale, conventions
 
     @abstractmethod
-    def clips(self) -> list[Clip]:
-        """All clips, in a fixed order.
+    def clips(self) -> list[CaptureClip]:
+        """Return all clips, in a fixed order.
 
         Raises:
-            UserError: there are none, or a file is missing.
+            UserError: the capture has no clips, or a file is missing.
         """
 
     @abstractmethod
     def notes(self) -> dict[str, str]:
-        """Attributes of the files that are made of it, once its clips are known."""
+        """Return attributes for the data set files; call it after `clips`."""

@@ -1,4 +1,4 @@
-"""Which frames of a capture are looked at before it is imported."""
+"""Pairs of frames on which a capture is checked before its import."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,18 +8,19 @@ import torch
 from torch import Tensor
 
 from supersampling.data.readers.images import Image
-from supersampling.data.readers.layout import Clip
+from supersampling.data.readers.layout import CaptureClip
 
-PROPOSED = 24  # pairs whose motion is read
-CHOSEN = 6  # of which the checks take those that move most
-MOVING = 0.5  # target pixels a frame
+CANDIDATES = 24  # pairs whose motion is read
+SELECTED = 6  # pairs for the checks: those that move most
+MOVING = 0.5  # target pixels per frame
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Frames ``t - 1`` and ``t`` of a clip; ``moving`` is the share of low-resolution pixels that move by `MOVING` or more."""
+    """Frames ``t - 1`` and ``t`` of a clip; ``moving`` is the share of low-resolution pixels that move by at least
+    `MOVING`."""
 
-    clip: Clip
+    clip: CaptureClip
     t: int
     moving: float
 
@@ -27,18 +28,18 @@ class Pair:
         return self.clip.read(self.t - before, frozenset({name}))[name]
 
     def tensor(self, name: str, before: bool = False) -> Tensor:
-        """A buffer of frame ``t`` (of ``t - 1`` if ``before``), ``(1, C, h, w)``."""
+        """Return a buffer of frame ``t`` (of ``t - 1`` if ``before``), ``(1, C, h, w)``."""
         return torch.from_numpy(np.ascontiguousarray(self.read(name, before).transpose(2, 0, 1)))[None]
 
 
-def pairs_of(clips: Sequence[Clip]) -> list[Pair]:
-    """Up to `CHOSEN` pairs, the ones that move most of those spread evenly over all clips; the same for the same capture."""
-    every = [(clip, t) for clip in clips for t in range(1, clip.frames)]
-    spread = sorted({round(k) for k in np.linspace(0, len(every) - 1, PROPOSED)}) if every else []
-    proposed = []
+def select_pairs(clips: Sequence[CaptureClip]) -> list[Pair]:
+    """Return up to `SELECTED` pairs: those with the most motion of `CANDIDATES`, spread evenly over all clips."""
+    frames = [(clip, t) for clip in clips for t in range(1, clip.frames)]
+    spread = sorted({round(k) for k in np.linspace(0, len(frames) - 1, CANDIDATES)}) if frames else []
+    pairs = []
     for k in spread:
-        clip, t = every[k]
+        clip, t = frames[k]
         motion = clip.read(t, frozenset({"motion"}))["motion"]
         length = np.linalg.norm(motion * np.array(clip.size, dtype=np.float32), axis=-1)
-        proposed.append(Pair(clip, t, float((length >= MOVING).mean())))
-    return sorted(proposed, key=lambda pair: -pair.moving)[:CHOSEN]
+        pairs.append(Pair(clip, t, float((length >= MOVING).mean())))
+    return sorted(pairs, key=lambda pair: -pair.moving)[:SELECTED]

@@ -1,5 +1,8 @@
-"""What a whole clip is scored by. A metric sees every frame once and keeps a state whose size does not depend on the clip's
-length; its values are known at the clip's end."""
+"""Base classes of the metrics of whole clips.
+
+A metric sees every frame once and keeps a state whose size does not depend on the clip's length; its values are known
+at the end of the clip.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -10,23 +13,23 @@ from typing import Self, final
 import numpy as np
 from torch import Tensor
 
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.base import Metric, Moment
 
 
 class Scoring(ABC):
-    """One clip on its way through a metric: ``add`` every frame from the first on, then ``finish``, inside ``with``, which
-    gives back processes and files even if the clip is left early."""
+    """The scoring of one clip: ``add`` every frame from the first on, then ``finish``, inside a ``with`` block, which
+    releases processes and files even if it is left early."""
 
     @abstractmethod
     def add(self, moment: Moment) -> None:
-        """Take the clip's next frame. ``moment.previous`` is not read: a metric keeps what it needs."""
+        """Process the next frame of the clip. Keep what later frames need: ``moment.previous`` may be missing."""
 
     @abstractmethod
     def finish(self) -> dict[str, float]:
-        """The clip's values under the metric's ``names``; NaN where there is no value."""
+        """Return the clip's values by the metric's ``names``; NaN where there is no value."""
 
-    def close(self) -> None:  # noqa: B027 - most hold nothing
-        """Give back what the scoring holds; more than once does no harm."""
+    def close(self) -> None:  # noqa: B027 - most have nothing to release
+        """Release processes and files; calling it again does nothing."""
 
     def __enter__(self) -> Self:
         return self
@@ -37,31 +40,29 @@ class Scoring(ABC):
         self.close()
 
 
-class VideoMetric(ABC):
-    """Makes a `Scoring` for each clip; ``requires`` are the buffers that `Moment` has to carry."""
-
-    names: tuple[str, ...]
-    requires: frozenset[str]
+class VideoMetric(Metric):
+    """Metric of whole clips."""
 
     @abstractmethod
-    def begin(self) -> Scoring: ...
+    def begin(self) -> Scoring:
+        """Return the scoring of a new clip."""
 
 
 @final
 class VideoSuite(VideoMetric):
-    """Several video metrics as one; none is no work."""
+    """Several video metrics as one; without metrics it computes nothing."""
 
     def __init__(self, metrics: Sequence[VideoMetric] = ()) -> None:
         self._metrics = tuple(metrics)
         self.names = tuple(name for metric in self._metrics for name in metric.names)
-        self.requires = frozenset({"target"}).union(*(m.requires for m in self._metrics))
+        self.requires = frozenset({"target"}).union(*(metric.requires for metric in self._metrics))
 
     def begin(self) -> Scoring:
-        return _Together([metric.begin() for metric in self._metrics])
+        return _Scorings([metric.begin() for metric in self._metrics])
 
 
 @final
-class _Together(Scoring):
+class _Scorings(Scoring):
     def __init__(self, scorings: Sequence[Scoring]) -> None:
         self._scorings = scorings
 
@@ -73,12 +74,13 @@ class _Together(Scoring):
         return {name: value for scoring in self._scorings for name, value in scoring.finish().items()}
 
     def close(self) -> None:
-        with ExitStack() as stack:  # one that fails does not keep the others open
+        # A failing close does not leave the other scorings open.
+        with ExitStack() as stack:
             for scoring in self._scorings:
                 stack.callback(scoring.close)
 
 
 def to_bytes(image: Tensor) -> np.ndarray:
-    """``(1, 3, H, W)`` in [0, 1] as 8 bit ``(H, W, 3)``, rounded to the nearest level; values outside are cut."""
+    """Return an image ``(1, 3, H, W)`` in [0, 1] in 8 bits, ``(H, W, 3)``: rounded to the nearest level and clamped."""
     levels = (image[0].detach().clamp(0.0, 1.0) * 255.0).round().byte()
     return np.ascontiguousarray(levels.permute(1, 2, 0).cpu().numpy())

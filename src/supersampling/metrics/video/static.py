@@ -1,8 +1,8 @@
-"""Flicker where nothing moves: the pixel-wise standard deviation of ENSS (Mercier et al. 2023), table 3.
+"""Flicker of static pixels: the pixel-wise standard deviation of ENSS (Mercier et al. 2023), table 3.
 
-The paper takes 18 frames of a clip in which the camera stands still, the standard deviation of every pixel over them, and the
-mean over the image. Its numbers (0.54, 1.10) are read here as 8-bit levels; that the deviation divides by the number of frames,
-each colour channel by itself, is assumed.
+The paper takes 18 frames of a clip whose camera does not move, computes the standard deviation of every pixel over
+them, and averages over the image. Its numbers (0.54, 1.10) are interpreted here as 8-bit levels; it is assumed that the
+deviation divides by the number of frames, for each colour channel separately.
 """
 
 import math
@@ -12,27 +12,27 @@ import torch
 from torch import Tensor
 
 from supersampling.errors import UserError
+from supersampling.metrics.base import Moment
 from supersampling.metrics.regions import static
-from supersampling.metrics.suite import Moment
 from supersampling.metrics.video.base import Scoring, VideoMetric
 
 
 @final
 class StaticDeviation(VideoMetric):
-    """``static_std`` of the output, ``static_std_reference`` of the target, and ``static_std_fraction``, the share of the
-    clip's pixels and frames that it is taken over.
+    """``static_std`` of the output, ``static_std_reference`` of the target, and ``static_std_fraction``, the share of
+    the clip's pixels and frames that belong to spans.
 
-    A span is an unbroken run of at least ``shortest`` frames in all of which a pixel has no motion (`regions.STILL`), each pixel
-    by itself, so that a clip counts whose camera rests for a while. Spans are weighted by their frames. NaN without any.
-    A moving light or shadow counts too: read it beside the reference's.
+    A span is an unbroken sequence of at least ``shortest`` frames in which a pixel has no motion (`regions.STILL`).
+    Each pixel has its own spans, so that a clip counts if its camera rests for a while. Spans are weighted by their
+    number of frames; NaN without spans. Moving lights and shadows count too: compare with the value of the reference.
     """
 
-    names = ("static_std", "static_std_reference", "static_std_fraction")
+    better = {"static_std": "lower", "static_std_reference": "neither", "static_std_fraction": "neither"}
     requires = frozenset({"target", "motion"})
 
     def __init__(self, shortest: int = 8) -> None:
         if shortest < 2:
-            raise UserError(f"A standard deviation needs spans of at least 2 frames, got {shortest}; use e.g. 8.")
+            raise UserError(f"Invalid shortest={shortest} of static_std: use at least 2 frames, such as 8.")
         self._shortest = shortest
 
     def begin(self) -> Scoring:
@@ -41,12 +41,14 @@ class StaticDeviation(VideoMetric):
 
 @final
 class _Spans(Scoring):
-    """Running means and squared deviations (Welford 1962) of output and target, started anew wherever something moves."""
+    """Running means and squared deviations (Welford 1962) of output and target; a pixel that moves starts again."""
 
     def __init__(self, shortest: int) -> None:
         self._shortest = shortest
-        self._count: Tensor | None = None  # (1, 1, H, W) frames in the pixel's present span
-        self._mean = self._squares = torch.empty(0)  # (2, 3, H, W): output, target
+        # (1, 1, H, W): the number of frames in the pixel's current span.
+        self._count: Tensor | None = None
+        # (2, 3, H, W): output, target.
+        self._mean = self._squares = torch.empty(0)
         self._sums = (0.0, 0.0)
         self._weight = 0.0
         self._seen = 0
@@ -66,9 +68,10 @@ class _Spans(Scoring):
         self._squares = torch.where(still, self._squares + change * (values - self._mean), 0.0)
         self._seen += self._count.numel()
 
-    def _end(self, where: Tensor) -> None:
+    def _end(self, pixels: Tensor) -> None:
+        """End the spans of ``pixels (1, 1, H, W)``, and add those that are long enough to the sums."""
         assert self._count is not None
-        frames = torch.where(where & (self._count >= self._shortest), self._count, 0.0)
+        frames = torch.where(pixels & (self._count >= self._shortest), self._count, 0.0)
         deviation = (self._squares / self._count.clamp_min(1.0)).sqrt().mean(dim=1, keepdim=True)
         output, target = (255.0 * deviation * frames).sum(dim=(1, 2, 3), dtype=torch.float64).tolist()
         self._sums = (self._sums[0] + output, self._sums[1] + target)

@@ -1,15 +1,16 @@
-"""ST-RRED: Soundararajan and Bovik 2013, "Video Quality Assessment by Reduced Reference Spatio-Temporal Entropic Differencing".
+"""ST-RRED: Soundararajan and Bovik 2013, "Video Quality Assessment by Reduced Reference Spatio-Temporal Entropic
+Differencing".
 
-One oriented band of a steerable pyramid, cut into 3x3 blocks, is modelled as Gaussian vectors of covariance ``K`` times a
-local variance ``s^2`` (a Gaussian scale mixture), seen through noise of variance 0.1. Each block's entropy, weighted by its
-variance, is compared between output and reference: in the frame (spatial) and in the difference to the next one (temporal).
-0 is no difference; lower is better.
+The 3x3 blocks of one oriented band of a steerable pyramid are modelled as Gaussian vectors with a covariance ``K``
+times a local variance ``s^2`` (a Gaussian scale mixture), observed through noise of variance 0.1. The entropy of each
+block, weighted by its variance, is compared between output and reference: in the frame (spatial) and in the difference
+to the next frame (temporal). 0 means no difference.
 
-Conventions, those of scikit-video 1.1.11, whose numbers are in use: the full-reference case (blocks compared one by one);
-pairs of frames (0, 1), (2, 3), ...; one band (scikit-video's 0, pyrtools' 3) of level 4 of the fifth-order filters; the entropy
-without the paper's factor of one half, its constant a natural logarithm though the rest has base 2. Frames are luma in levels
-of 0 to 255. Where scikit-video rounds to float32 on the way to an inverse, this stays in float64: that is all that their numbers
-differ by, up to 4e-5 of them on rendered frames.
+The conventions are those of scikit-video 1.1.11, whose numbers are in use: the full-reference case (blocks compared one
+by one); pairs of frames (0, 1), (2, 3), ...; one band (scikit-video's 0, pyrtools' 3) of level 4 of the fifth-order
+filters; the entropy without the paper's factor of one half, with a natural logarithm in its constant although the other
+logarithms have base 2. Frames are luma in levels of 0 to 255. scikit-video rounds to float32 before a matrix inverse,
+this module stays in float64: that is the only difference, up to 4e-5 of the values on rendered frames.
 """
 
 import math
@@ -21,30 +22,30 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from supersampling.errors import UserError
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.base import Moment
 from supersampling.metrics.video.base import Scoring, VideoMetric
 
 BLOCK = 3
 NOISE = 0.1
 LEVEL = 4
 BAND = 3
-"""In pyrtools' order; scikit-video calls it 0."""
+"""In pyrtools' order; scikit-video's number is 0."""
 
 SMALLEST = 48
-"""Pixels a side: six band pixels, so that there are more blocks than a block has pixels."""
+"""Pixels per side: six pixels of the band, so that there are more blocks than pixels in a block."""
 
 
 @final
 class StRred(VideoMetric):
-    """``srred`` and ``trred``, the spatial and temporal index averaged over the clip's pairs, and their product ``strred``.
+    """``srred`` and ``trred``, the spatial and temporal index averaged over the clip's pairs, and their product
+    ``strred``.
 
-    Luma is BT.709's, full range, not rounded. An odd last frame has no pair and does not count.
+    Luma is that of BT.709, full range, not rounded. The last frame of an odd number has no partner and does not count.
 
     Raises `UserError` for frames with a side below 48 pixels.
     """
 
-    names = ("strred", "srred", "trred")
-    requires = frozenset({"target"})
+    better = {"strred": "lower", "srred": "lower", "trred": "lower"}
 
     def begin(self) -> Scoring:
         return _Pairs()
@@ -53,7 +54,8 @@ class StRred(VideoMetric):
 @final
 class _Pairs(Scoring):
     def __init__(self) -> None:
-        self._first: Tensor | None = None  # (2, h, w): the bands of output and target, of a pair's first frame
+        # (2, h, w): the bands of output and target for the first frame of a pair.
+        self._first: Tensor | None = None
         self._spatial = self._temporal = 0.0
         self._pairs = 0
 
@@ -75,19 +77,21 @@ class _Pairs(Scoring):
 
 
 def luma(image: Tensor) -> Tensor:
-    """BT.709 luma ``(B, H, W)`` in [0, 255] of ``(B, 3, H, W)`` in [0, 1]."""
+    """Return the BT.709 luma ``(B, H, W)`` in [0, 255] of an image ``(B, 3, H, W)`` in [0, 1]."""
     weights = image.new_tensor((0.2126, 0.7152, 0.0722))
     return 255.0 * (image * weights[:, None, None]).sum(dim=1)
 
 
 def oriented_band(images: Tensor) -> Tensor:
-    """Band 3 of level 4 of the steerable pyramid with ``sp5`` filters (Karasaridis and Simoncelli 1996), borders reflected:
-    ``(B, H, W) -> (B, ceil(H / 8), ceil(W / 8))``, float64 on the host."""
+    """Return band 3 of level 4 of the steerable pyramid with ``sp5`` filters (Karasaridis and Simoncelli 1996).
+
+    Borders are reflected. ``(B, H, W) -> (B, ceil(H / 8), ceil(W / 8))``, float64 on the host.
+    """
     height, width = images.shape[-2:]
     if min(height, width) < SMALLEST:
         raise UserError(
-            f"ST-RRED needs frames of at least {SMALLEST}x{SMALLEST} pixels, got {width}x{height}; "
-            "use larger ones or leave it out."
+            f"Frames of {width}x{height} pixels are too small for ST-RRED: "
+            f"use at least {SMALLEST}x{SMALLEST}, or leave it out."
         )
     first, low, band = (kernel.to(images) for kernel in _filters())
     level = _correlate(images[:, None], first)
@@ -101,7 +105,7 @@ def _filters() -> tuple[Tensor, Tensor, Tensor]:
     try:
         from pyrtools.pyramids.filters import steerable_filters
     except ImportError as error:
-        raise UserError("ST-RRED needs the package pyrtools: pip install pyrtools.") from error
+        raise UserError("ST-RRED needs the package pyrtools: run pip install pyrtools.") from error
     kernels = steerable_filters("sp5_filters")
     side = math.isqrt(kernels["bfilts"].shape[0])
     band = kernels["bfilts"][:, BAND].reshape(side, side).T
@@ -115,7 +119,7 @@ def _correlate(images: Tensor, kernel: Tensor, stride: int = 1) -> Tensor:
 
 
 def information(first: Tensor, second: Tensor) -> tuple[Tensor, Tensor]:
-    """Weighted entropies ``(h // 3, w // 3)`` of a pair of bands ``(h, w)``: of the first, and of their difference."""
+    """Return the weighted entropies ``(h // 3, w // 3)`` of the first band ``(h, w)`` and of the bands' difference."""
     variance, entropy = _entropies(first)
     change, change_entropy = _entropies(first - second)
     weight = (1.0 + variance).log2()
@@ -123,16 +127,17 @@ def information(first: Tensor, second: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def _entropies(band: Tensor) -> tuple[Tensor, Tensor]:
-    """Each block's local variance ``s^2 = x^T K^-1 x / N`` and entropy ``sum_k log2(s^2 lambda_k + noise) + log(2 pi e)``.
+    """Return each block's variance ``s^2 = x^T K^-1 x / N`` and entropy ``sum_k log2(s^2 lambda_k + noise) + log(2 pi
+    e)``.
 
-    ``K`` is the covariance of all blocks, overlapping ones too. Directions in which the band does not vary, where ``K`` has no
-    inverse, are left out: none is left of a black frame, whose entropies are 0.
+    ``K`` is the covariance of all blocks, including overlapping ones. Directions in which the band does not vary, where
+    ``K`` has no inverse, are left out: a black frame has no direction left, and its entropies are 0.
     """
     rows, columns = band.shape[0] // BLOCK, band.shape[1] // BLOCK
     band = band[: rows * BLOCK, : columns * BLOCK][None, None]
     values, vectors = torch.linalg.eigh(torch.cov(F.unfold(band, BLOCK)[0], correction=0))
-    kept = values > values.max().clamp_min(0.0) * 1e-12
-    values, vectors = values[kept], vectors[:, kept]
+    varying = values > values.max().clamp_min(0.0) * 1e-12
+    values, vectors = values[varying], vectors[:, varying]
     blocks = F.unfold(band, BLOCK, stride=BLOCK)[0]  # (9, blocks)
     variance = ((vectors.T @ blocks).square() / values[:, None]).sum(dim=0) / BLOCK**2
     entropy = (variance * values[:, None] + NOISE).log2().sum(dim=0) + len(values) * math.log(2.0 * math.pi * math.e)

@@ -1,4 +1,4 @@
-"""VMAF (Li et al. 2016) by the libvmaf inside of imageio-ffmpeg's ffmpeg: one process a clip, fed frame by frame."""
+"""VMAF (Li et al. 2016) by the libvmaf of imageio-ffmpeg's ffmpeg: one process per clip, fed frame by frame."""
 
 import contextlib
 import json
@@ -12,33 +12,34 @@ from typing import final
 import numpy as np
 
 from supersampling.errors import UserError
-from supersampling.metrics.suite import Moment
+from supersampling.metrics.base import Moment
 from supersampling.metrics.video.base import Scoring, VideoMetric, to_bytes
 
 SMALLEST = 32
-"""Pixels a side; below 24 libvmaf crashes."""
+"""Pixels per side; below 24 libvmaf crashes."""
 
 _LOG = "vmaf.json"
-# The model was trained on 8 bit YUV of video range. It reads the luma alone: 4:2:0, which it was trained on, loses nothing.
+# The model was trained on 8-bit 4:2:0 YUV of video range. It reads only luma, so that 4:2:0 loses nothing.
 _TO_YUV = "scale=in_range=pc:out_range=tv:out_color_matrix=bt709:flags=bicubic+accurate_rnd,format=yuv420p"
 
 
 @final
 class Vmaf(VideoMetric):
-    """``vmaf``: the mean over the clip's frames, 0 to 100, higher is better; NaN without frames.
+    """``vmaf``: the mean over the clip's frames, 0 to 100; NaN without frames.
 
-    Output and target are rounded to 8 bit and converted to BT.709 yuv420p of video range. Identical clips give less than 100:
-    a frame without motion, as the first one is, gets 97.43. Neighbouring frames are compared whatever their rate.
+    Output and target are rounded to 8 bits and converted to BT.709 yuv420p of video range. Identical clips score below
+    100: a frame without motion, such as the first one, gets 97.43. Neighbouring frames are compared whatever their
+    rate.
 
     Raises `UserError` for frames with a side below 32 pixels, and for a model that libvmaf does not have.
 
     Args:
-        model: one of libvmaf's own: ``vmaf_v0.6.1`` (1080p seen from three screen heights), ``vmaf_4k_v0.6.1``,
-            ``vmaf_v0.6.1neg``. Another model is another name: ``vmaf_4k_v0.6.1``.
-        threads: of libvmaf; 0 takes every core.
+        model: one of libvmaf's models: ``vmaf_v0.6.1`` (1080p seen from three screen heights), ``vmaf_4k_v0.6.1``,
+            ``vmaf_v0.6.1neg``. A model other than the first is the metric's name: ``vmaf_4k_v0.6.1``.
+        threads: libvmaf's number of threads; 0 uses every core.
     """
 
-    requires = frozenset({"target"})
+    better = {"vmaf*": "higher"}
 
     def __init__(self, model: str = "vmaf_v0.6.1", threads: int = 0) -> None:
         self.names = ("vmaf",) if model == "vmaf_v0.6.1" else (model,)
@@ -51,7 +52,8 @@ class Vmaf(VideoMetric):
 
 @final
 class _Process(Scoring):
-    """Output above target as one raw RGB film through stdin, cut apart by crop filters; the scores come in a file."""
+    """Process that receives output above target as raw RGB frames through stdin, splits them by crop filters, and
+    writes the scores to a file."""
 
     def __init__(self, name: str, options: str) -> None:
         self._name = name
@@ -75,30 +77,31 @@ class _Process(Scoring):
 
         if min(width, height) < SMALLEST:
             raise UserError(
-                f"VMAF needs frames of at least {SMALLEST}x{SMALLEST} pixels, got {width}x{height}; "
-                "use larger ones or leave it out."
+                f"Frames of {width}x{height} pixels are too small for VMAF: "
+                f"use at least {SMALLEST}x{SMALLEST}, or leave it out."
             )
-        cut = f"crop={width}:{height}:0"
+        crop = f"crop={width}:{height}:0"
         graph = (
-            f"[0:v]split[a][b];[a]{cut}:0,{_TO_YUV}[output];[b]{cut}:{height},{_TO_YUV}[target];"
+            f"[0:v]split[a][b];[a]{crop}:0,{_TO_YUV}[output];[b]{crop}:{height},{_TO_YUV}[target];"
             f"[output][target]libvmaf={self._options}:log_fmt=json:log_path={_LOG}"
         )
         source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{2 * height}", "-r", "30", "-i", "-"]
         quiet = ["-hide_banner", "-loglevel", "error"]
-        # The folder is the process's own, so that no path needs the filter's escapes. stderr goes to a file: a full pipe
-        # would stop the process.
+        # The process runs in its own folder, so that no path needs the escapes of filters. stderr goes to a file: a
+        # full pipe would stop the process.
         with open(Path(self._folder.name) / "stderr", "wb") as stderr:
             return subprocess.Popen(
                 [imageio_ffmpeg.get_ffmpeg_exe(), *quiet, *source, "-lavfi", graph, "-f", "null", "-"],
-                cwd=self._folder.name, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=stderr,
-            )  # fmt: skip
+                cwd=self._folder.name,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=stderr,
+            )
 
     def _failure(self) -> UserError:
-        said = (Path(self._folder.name) / "stderr").read_text(errors="replace").strip().splitlines()
-        return UserError(
-            f"ffmpeg could not compute {self._name}: {said[0] if said else 'it stopped without a word'}; "
-            "check the model's name."
-        )
+        messages = (Path(self._folder.name) / "stderr").read_text(errors="replace").strip().splitlines()
+        reason = messages[0] if messages else "no error message"
+        return UserError(f"ffmpeg could not compute {self._name} ({reason}): check the model's name.")
 
     def finish(self) -> dict[str, float]:
         if self._process is None:
@@ -120,6 +123,7 @@ class _Process(Scoring):
                 self._process.kill()
             self._process.wait()
             if self._process.stdin is not None and not self._process.stdin.closed:
-                with contextlib.suppress(BrokenPipeError):  # what it had not read is of no use to anyone
+                # Data that the process has not read are not needed.
+                with contextlib.suppress(BrokenPipeError):
                     self._process.stdin.close()
         self._folder.cleanup()

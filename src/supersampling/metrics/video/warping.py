@@ -1,12 +1,13 @@
 """The warping error of Lai et al. 2018, "Learning Blind Video Temporal Consistency" (evaluation).
 
-``E(V_t, V_t+1) = 1 / sum(M) sum(M ||V_t - warped V_t+1||^2)``, averaged over the clip's pairs of frames; as in the authors' code
-the sum in the denominator counts colour channels too, so that it is a mean squared error of values in [0, 1]. Here the
-previous frame is warped to the current one, by the renderer's motion, bilinear. Blur lowers it below the reference's own:
-read it beside ``_reference``.
+``E(V_t, V_t+1) = 1 / sum(M) sum(M ||V_t - warped V_t+1||^2)``, averaged over the clip's pairs of frames; as in the
+authors' code the sum in the denominator includes the colour channels, so that it is a mean squared error of values in
+[0, 1]. Here the previous frame is warped to the current one, bilinearly, by the renderer's motion. Blur lowers the
+error below that of the
+reference: compare it with ``_reference``.
 
-The authors' code is ``evaluate_WarpError.py`` of github.com/phoenix104104/fast_blind_video_consistency: there a pair of frames
-without a visible pixel counts as an error of 0, here it does not count.
+The authors' code is ``evaluate_WarpError.py`` of github.com/phoenix104104/fast_blind_video_consistency: there a pair of
+frames without a visible pixel counts as an error of 0, here it does not count.
 """
 
 from abc import ABC, abstractmethod
@@ -15,27 +16,27 @@ from typing import final
 import torch
 from torch import Tensor
 
+from supersampling.metrics.base import Moment
 from supersampling.metrics.regions import disoccluded
-from supersampling.metrics.suite import Moment
 from supersampling.metrics.video.base import Scoring, VideoMetric
 from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import outside, warp
 
 
 class Visibility(ABC):
-    """Which pixels two frames share: the weights ``M (1, 1, H, W)`` in [0, 1]."""
+    """Base class of the visibility of pixels in two frames: the weights ``M (1, 1, H, W)`` in [0, 1]."""
 
     suffix: str
     requires: frozenset[str]
 
     @abstractmethod
     def __call__(self, moment: Moment, warped_target: Tensor, motion: Tensor) -> Tensor:
-        """``warped_target`` is the previous target and ``motion`` this frame's, both at target resolution."""
+        """Return the weights; ``warped_target`` is the previous target, both arguments are at target resolution."""
 
 
 @final
 class DualMotion(Visibility):
-    """1 where the point was neither hidden (NSRD's motion mask) nor outside of the previous image, else 0."""
+    """1 where the point was visible in the previous image; 0 where it was hidden (NSRD's motion mask) or outside."""
 
     suffix = ""
     requires = frozenset({"motion", "motion_dual"})
@@ -49,12 +50,13 @@ class DualMotion(Visibility):
 
 @final
 class Photometric(Visibility):
-    """``exp(-50 ||I_t - warped I_t-1||^2)`` of the target's frames, the visibility mask of the paper's temporal
-    losses, for data without dual motion; 0 outside of the previous image. It also hides what the reference itself
-    changes, such as moving shadows.
+    """``exp(-50 ||I_t - warped I_t-1||^2)`` of the target's frames, for data without dual motion; 0 outside of the
+    previous image.
 
-    50 is the paper's alpha, and that of the authors' ``train.py``. That code squares the sum of the channels' differences, in
-    which opposite ones cancel; here it is the norm, as the paper and the code's own comment have it."""
+    This is the visibility mask of the paper's temporal losses. It also hides changes of the reference, such as moving
+    shadows. 50 is the paper's alpha, and that of the authors' ``train.py``. That code squares the sum of the channels'
+    differences, in which opposite signs cancel; here it is the norm, as in the paper and in the code's comment.
+    """
 
     suffix = "_photometric"
     requires = frozenset({"motion"})
@@ -66,8 +68,11 @@ class Photometric(Visibility):
 
 @final
 class WarpingError(VideoMetric):
-    """``warping_error`` of the output, that of the reference with the same weights, and their ratio, which is NaN where the
-    reference's is 0. With `Photometric` the names end in ``_photometric``: another convention."""
+    """``warping_error`` of the output, ``warping_error_reference`` of the target with the same weights, and their ratio
+    ``warping_error_ratio``, which is NaN where the error of the reference is 0. With `Photometric`, another convention,
+    the names begin with ``warping_error_photometric``."""
+
+    better = {"warping_error*_reference": "neither", "warping_error*_ratio": "neither", "warping_error*": "lower"}
 
     def __init__(self, visibility: Visibility) -> None:
         self._visibility = visibility
@@ -96,12 +101,11 @@ class _Warping(Scoring):
             output, target = (warp(image, motion) for image in self._previous)
             weight = self._visibility(moment, target, motion)
             total = weight.sum()
-            if total > 0.0:  # a cut shares no pixel: such a pair has no error
-                errors = ((moment.output, output), (moment.target, target))
-                a, b = (
-                    ((now - then).square().mean(dim=1, keepdim=True) * weight).sum() / total for now, then in errors
-                )
-                self._sums = (self._sums[0] + a.item(), self._sums[1] + b.item())
+            # The frames around a cut share no pixel: such a pair has no error.
+            if total > 0.0:
+                pairs = ((moment.output, output), (moment.target, target))
+                errors = [((x - y).square().mean(dim=1, keepdim=True) * weight).sum() / total for x, y in pairs]
+                self._sums = (self._sums[0] + errors[0].item(), self._sums[1] + errors[1].item())
                 self._pairs += 1
         self._previous = (moment.output, moment.target)
 

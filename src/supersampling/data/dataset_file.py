@@ -1,8 +1,8 @@
-"""Reads data sets: one HDF5 file a scene and split, laid out so that a random window of a random clip reads little else.
+"""Reader of data set files: one HDF5 file per scene and split, laid out for reading random windows of random clips.
 
-Every image buffer is ``(clips, frames, height, width, channels)`` in chunks of one frame's tile, gzip-compressed; ``jitter``
-is ``(clips, frames, 2)``. A file holds the buffers that were asked for, and high-resolution ones, which cost the most,
-perhaps for each clip's last frames only. The attributes hold all that is needed to trust the arrays: see `describe`.
+Every image buffer is ``(clips, frames, height, width, channels)`` in chunks of one frame's tile, gzip-compressed;
+``jitter`` is ``(clips, frames, 2)``. A file holds the requested buffers; high-resolution buffers, which cost the most,
+may exist for the last frames of each clip only. The attributes state the conventions of the arrays: see `describe`.
 """
 
 import hashlib
@@ -21,23 +21,23 @@ from supersampling.frames import BUFFERS
 
 
 def describe(names: Iterable[str]) -> str:
-    """The conventions of these buffers as JSON, stored in each file."""
+    """Return the conventions of these buffers as JSON, which every file stores."""
     keys = ("channels", "resolution", "dtype", "unit", "range")
     return json.dumps({name: {k: getattr(BUFFERS[name], k) for k in keys} for name in names}, sort_keys=True)
 
 
 def restore(name: str, stored: NDArray[Any]) -> NDArray[np.float32]:
-    """A stored buffer as float32 in its range."""
+    """Return a stored buffer as float32 in its range."""
     if BUFFERS[name].dtype == "uint8":
         return stored.astype(np.float32) * np.float32(1.0 / 255.0)
     return stored.astype(np.float32, copy=False)
 
 
-class Store:
-    """An open data set file, read only.
+class DatasetFile:
+    """An open data set file, read-only.
 
     Raises:
-        UserError: the file is missing, truncated, not HDF5, or not one of ours.
+        UserError: the file is missing, truncated, not HDF5, or not a data set.
     """
 
     def __init__(self, path: Path) -> None:
@@ -45,21 +45,21 @@ class Store:
         try:
             self._file = h5py.File(path, "r")
         except FileNotFoundError as error:
-            raise UserError(f"There is no data set {path}: run render.py, or correct the path.") from error
+            raise UserError(f"Data set {path} not found: run render.py, or correct the path.") from error
         except OSError as error:
             raise UserError(
-                f"{path} is truncated or not an HDF5 file: delete it, and it will be rendered again."
+                f"{path} is truncated or not an HDF5 file: delete it, then it is rendered again."
             ) from error
-        self._held: dict[str, NDArray[Any]] = {}
+        self._loaded: dict[str, NDArray[Any]] = {}
         self.spec = self._read_spec()
 
     @property
     def buffers(self) -> frozenset[str]:
-        """The buffers that the file holds."""
+        """Return the names of the buffers in the file."""
         return frozenset(self._file.keys())
 
     def fingerprint(self, names: Iterable[str]) -> str:
-        """16 hex digits that tell the content of these buffers, whatever else the file holds and whenever it was made."""
+        """Return 16 hex digits that depend only on the content of these buffers and on the specification."""
         digests = {name: str(self._file[name].attrs["digest"]) for name in names}
         content = json.dumps([self.spec.to_json(), digests], sort_keys=True)
         return hashlib.sha256(content.encode()).hexdigest()[:16]
@@ -76,14 +76,14 @@ class Store:
         except (KeyError, ValueError, TypeError, AttributeError) as error:
             self._file.close()
             raise UserError(
-                f"{self.path} is an HDF5 file, but not a data set of schema {SCHEMA_VERSION} written by "
+                f"{self.path} is an HDF5 file but not a data set of schema {SCHEMA_VERSION} written by "
                 "render.py: render or import it again."
             ) from error
         return spec
 
     @property
     def attributes(self) -> dict[str, str]:
-        """Renderer, software version, attribution and the rest, as text."""
+        """Return renderer, software version, attribution and all other attributes, as text."""
         return {key: str(value) for key, value in self._file.attrs.items()}
 
     @property
@@ -93,13 +93,13 @@ class Store:
     def read(
         self, name: str, clip: int, frames: slice, window: tuple[int, int, int, int] | None = None
     ) -> NDArray[np.float32]:
-        """A buffer's frames, ``(T, C, h, w)`` (``(T, 2)`` for jitter), float32 in its range.
+        """Return frames of a buffer, ``(T, C, h, w)`` (``(T, 2)`` for jitter), float32 in its range.
 
-        ``frames`` counts from the clip's first frame; high-resolution buffers can be read where the file has them
-        (``spec.targets``). ``window`` is ``(x, y, width, height)`` in the buffer's own pixels. Motion stays in units of the
-        *returned* image, so that ``previous_uv = uv + motion`` holds in a crop as it does in the whole.
+        ``frames`` counts from the clip's first frame; high-resolution buffers exist for the last ``spec.targets``
+        frames. ``window`` is ``(x, y, width, height)`` in pixels of the buffer. Motion is in units of the *returned*
+        image, so that ``previous_uv = uv + motion`` also holds in a crop.
         """
-        data = self._held.get(name, self._file[name])
+        data = self._loaded.get(name, self._file[name])
         first, stop, _ = frames.indices(self.spec.frames)
         if BUFFERS[name].resolution == "high":
             offset = self.spec.frames - self.spec.targets
@@ -116,19 +116,20 @@ class Store:
         return np.ascontiguousarray(values.transpose(0, 3, 1, 2))
 
     def size(self, names: Iterable[str]) -> int:
-        """Bytes that these buffers take in memory."""
+        """Return the size of these buffers in memory, in bytes."""
         return sum(self._file[name].nbytes for name in names)
 
-    def hold(self, names: Iterable[str]) -> None:
-        """Keep whole buffers in memory: a window then costs a copy instead of a read and a decompression a frame."""
-        self._held = {name: self._file[name][()] for name in names}
+    def load(self, names: Iterable[str]) -> None:
+        """Load whole buffers into memory: a window then costs a copy instead of a read and a decompression per
+        frame."""
+        self._loaded = {name: self._file[name][()] for name in names}
 
     def close(self) -> None:
         self._file.close()
 
 
-def spec_of(path: Path) -> CaptureSpec:
-    """What a file says that it holds."""
-    store = Store(path)
-    store.close()
-    return store.spec
+def read_spec(path: Path) -> CaptureSpec:
+    """Return the specification of a data set file."""
+    file = DatasetFile(path)
+    file.close()
+    return file.spec

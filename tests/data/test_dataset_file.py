@@ -2,22 +2,22 @@ import h5py
 import numpy as np
 import pytest
 
-from supersampling.data.store import Store, restore
+from supersampling.data.dataset_file import DatasetFile, restore
 from supersampling.data.writer import quantise
 from supersampling.errors import UserError
 
 
-def test_a_crop_equals_the_same_part_of_the_whole_frame(make_file, tmp_path):
-    store = Store(make_file(tmp_path, size=96))
+def test_crop_equals_the_same_part_of_the_whole_frame(make_file, tmp_path):
+    store = DatasetFile(make_file(tmp_path, size=96))
     whole = store.read("target", 1, slice(2, 5))
     part = store.read("target", 1, slice(2, 5), (8, 20, 40, 32))
     assert part.shape == (3, 3, 32, 40)
     np.testing.assert_array_equal(part, whole[:, :, 20:52, 8:48])
 
 
-def test_motion_of_a_crop_points_at_the_same_place(make_file, tmp_path):
+def test_motion_of_crop_points_to_the_same_position(make_file, tmp_path):
     """In pixels, a crop's motion is the whole's: uv units shrink with the image."""
-    store = Store(make_file(tmp_path, size=96))
+    store = DatasetFile(make_file(tmp_path, size=96))
     whole = store.read("motion", 0, slice(0, 1))
     part = store.read("motion", 0, slice(0, 1), (2, 3, 8, 6))
     pixels = np.array((24, 24)).reshape(2, 1, 1)
@@ -26,7 +26,7 @@ def test_motion_of_a_crop_points_at_the_same_place(make_file, tmp_path):
     )
 
 
-def test_stored_values_are_within_half_a_step():
+def test_stored_values_are_within_half_step():
     values = np.linspace(0, 1, 1001, dtype=np.float32)
     assert np.abs(restore("color", quantise("color", values)) - values).max() <= 0.5 / 255 + 1e-6
 
@@ -38,26 +38,26 @@ def test_equal_content_gives_equal_bytes(make_file, tmp_path):
     assert first.read_bytes() == second.read_bytes()
 
 
-def test_a_missing_file_says_so(tmp_path):
-    with pytest.raises(UserError, match=r"There is no data set .*nothing.h5"):
-        Store(tmp_path / "nothing.h5")
+def test_missing_file_is_an_error(tmp_path):
+    with pytest.raises(UserError, match=r"Data set .*nothing.h5 not found"):
+        DatasetFile(tmp_path / "nothing.h5")
 
 
-def test_a_truncated_file_says_so(make_file, tmp_path):
+def test_truncated_file_is_an_error(make_file, tmp_path):
     path = make_file(tmp_path)
     path.write_bytes(path.read_bytes()[:1000])
     with pytest.raises(UserError, match="truncated"):
-        Store(path)
+        DatasetFile(path)
 
 
-def test_a_foreign_file_says_so(tmp_path):
+def test_foreign_file_is_an_error(tmp_path):
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["x"] = np.zeros(3)
     with pytest.raises(UserError, match="not a data set"):
-        Store(tmp_path / "other.h5")
+        DatasetFile(tmp_path / "other.h5")
 
 
-def test_a_full_disk_leaves_nothing(make_file, tmp_path, monkeypatch):
+def test_full_disk_leaves_nothing(make_file, tmp_path, monkeypatch):
     def full(*args, **kwargs):
         raise OSError(28, "No space left on device")
 
@@ -67,7 +67,7 @@ def test_a_full_disk_leaves_nothing(make_file, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_small_window_reads_few_chunks(make_file, tmp_path):
+def test_small_window_reads_few_chunks(make_file, tmp_path):
     """A 64-pixel crop of one frame lies in at most four tiles of that frame."""
     path = make_file(tmp_path, size=192)
     with h5py.File(path) as file:
