@@ -15,7 +15,8 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from supersampling.metrics.base import Moment
+from supersampling.data.dataset_file import DatasetFile
+from supersampling.metrics.base import FrameMetric, Moment
 from supersampling.metrics.directions import better
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
@@ -32,11 +33,10 @@ from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import warp
 
 BUFFERS = ("target", "motion", "motion_dual", "target_radiance")
-STILL_METRICS: tuple[Metric, ...] = (PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP())
-FRAME_METRICS: list[Metric] = [*STILL_METRICS, PSNRMu(1.0), FLIPHDR(-3, 3, 6), Temporal(), Regions()]
+STILL_METRICS: tuple[FrameMetric, ...] = (PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP())
+FRAME_METRICS: list[FrameMetric] = [*STILL_METRICS, PSNRMu(1.0), FLIPHDR(-3, 3, 6), Temporal(), Regions()]
 WARPING_METRICS: tuple[VideoMetric, ...] = (WarpingError(DualMotion()), WarpingError(Photometric()))
 CLIP_METRICS: list[VideoMetric] = [StaticDeviation(), *WARPING_METRICS, StRred(), Vmaf(), ColorVideoVdp()]
-NOT_SCORES = ("fraction", "_reference", "_ratio")
 # A metric is blind to a fault if it changes by less than this share of its largest change for any fault.
 BLIND = 0.05
 
@@ -127,7 +127,7 @@ def moments(clip: Clip, images: Images) -> Iterator[Moment]:
 
 
 @torch.inference_mode()
-def scores(clip: Clip, images: Images, metrics: list[Metric], videos: list[VideoMetric]) -> dict[str, float]:
+def scores(clip: Clip, images: Images, metrics: list[FrameMetric], videos: list[VideoMetric]) -> dict[str, float]:
     """Return all scores by name; of frame metrics, the mean of the values that are not NaN."""
     result: dict[str, float] = {}
     for metric in metrics:
@@ -140,7 +140,7 @@ def scores(clip: Clip, images: Images, metrics: list[Metric], videos: list[Video
             for moment in moments(clip, images):
                 scoring.add(moment)
             result |= scoring.finish()
-    return {name: value for name, value in result.items() if not any(word in name for word in NOT_SCORES)}
+    return {name: value for name, value in result.items() if better(name) != "neither"}
 
 
 def loss(name: str, value: float, perfect: float) -> float:
@@ -158,7 +158,7 @@ def blind_to(name: str, values: dict[str, float]) -> set[str]:
 
 def read(path: Path, number: int, frames: int) -> Clip:
     """Read the last frames of a clip."""
-    store = Store(path)
+    store = DatasetFile(path)
     span = slice(store.spec.frames - frames, store.spec.frames)
     buffers = {name: torch.from_numpy(store.read(name, number, span)) for name in BUFFERS}
     store.close()

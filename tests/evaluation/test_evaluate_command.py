@@ -115,5 +115,5 @@ def test_another_protocol_is_another_run_of_the_same_weights(entry, settings, ru
 def test_choices_that_exclude_each_other(entry, settings):
     with pytest.raises(UserError, match="run=1 and frames=there exclude each other"):
         evaluate(entry("evaluate", *settings, "run=1", "frames=there"))
-    with pytest.raises(UserError, match="space=log is none of display, radiance"):
+    with pytest.raises(UserError, match="Invalid space=log: use display or radiance"):
         evaluate(entry("evaluate", *settings, "frames=there", "space=log", "metrics=fast"))

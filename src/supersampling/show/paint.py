@@ -8,6 +8,7 @@ from matplotlib.colors import hsv_to_rgb
 from numpy.typing import NDArray
 from torchvision.utils import flow_to_image
 
+from supersampling.ops.display import radiance_to_display
 from supersampling.show.clip import Array
 
 Picture = NDArray[np.uint8]
