@@ -5,15 +5,15 @@ import numpy as np
 from supersampling.scenes.airstrip import vehicles
 from supersampling.scenes.airstrip.field import field
 from supersampling.scenes.airstrip.materials import Paints
-from supersampling.scenes.airstrip.motion import Course, lane
-from supersampling.scenes.airstrip.vehicles import Part
-from supersampling.scenes.foundry.parts import crate
-from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.airstrip.motion import lane
+from supersampling.scenes.kit.builder import Builder, Part
+from supersampling.scenes.kit.course import Course
+from supersampling.scenes.kit.furniture import crate
 from supersampling.scenes.kit.motion import chain, rotation, spin, sway
+from supersampling.scenes.kit.routes import walk
 from supersampling.scenes.kit.shapes import box, join, lathe
 from supersampling.scenes.scene import Route, Scene, Sky, Sun
 
-Point = tuple[float, float, float]
 LORRY_SPEED, DRONE_SPEED, TAXI_SPEED, RACER_SPEED, HIGH_SPEED = 12.0, -15.0, 3.5, 31.0, -38.0
 
 
@@ -67,26 +67,25 @@ def _windsock(b: Builder, p: Paints) -> None:
     """Striped sleeve on the mast that swings in the wind."""
     sleeve = lathe([(0.4, 0.0), (0.36, -0.9), (0.22, -2.3)], 20)
     inner = lathe([(0.2, -2.3), (0.35, -0.9), (0.39, 0.0)], 20)
-    cone = join([sleeve, inner]).at(rotation((0, 0, 1), np.radians(78))).map_uv((1.0, 0.45))
+    cone = join([sleeve, inner]).transform(rotation((0, 0, 1), np.radians(78))).map_uv((1.0, 0.45))
     arm = box((0.5, 0.04, 0.04), (0.0, 0.0, 0.0))
     motion = chain(sway((8.0, 5.8, 0.0), (0, 1, 0), 24, 0.11), sway((0.12, 0, 0), (0, 0, 1), 7, 0.37, 1.0))
     b.move([(cone, p.cone), (arm, p.iron)], motion)
 
 
 def _routes() -> list[Route]:
-    lines: tuple[tuple[str, list[Point], list[Point]], ...] = (
-        ("hangars", [(-7.0, 1.6, -3.6), (3.0, 1.65, -3.8)], [(-6.0, 3.4, -25), (4.0, 3.4, -25)]),
-        ("terminal", [(7.0, 1.6, 3.6), (-2.0, 1.6, 3.8)], [(8.0, 3.3, 27), (-8.0, 3.5, 27)]),
-        ("grandstand", [(4.6, 1.65, 3.9), (10.2, 1.6, 1.6)], [(36.0, 3.4, 2.0), (40.0, 3.4, -4.0)]),
-        ("north east", [(9.8, 1.6, -2.2), (1.8, 1.65, -3.9)], [(24.0, 3.4, -24), (15.0, 3.4, -26)]),
-        ("containers", [(-5.0, 1.6, 3.6), (-10.3, 1.65, 1.8)], [(-38.0, 3.2, -2.0), (-40.0, 3.6, 4.0)]),
-        ("north west", [(-9.8, 1.6, -2.4), (-2.0, 1.65, -3.6)], [(-26.0, 3.3, -25), (-14.0, 3.4, -26)]),
-        ("south west", [(-9.4, 1.65, 2.6), (-1.8, 1.6, 3.8)], [(-24.0, 3.4, 26), (-10.0, 3.4, 27)]),
-        ("east bend", [(10.4, 1.6, -2.6), (9.8, 1.6, 2.6)], [(38.0, 3.2, -12.0), (38.0, 3.4, 12.0)]),
-        ("south east", [(9.6, 1.65, 2.4), (2.6, 1.6, 3.8)], [(26.0, 3.3, 26), (10.0, 3.4, 27)]),
-        ("north line", [(5.0, 1.65, -3.6), (-5.0, 1.6, -3.9)], [(2.0, 3.2, -25), (-20.0, 3.4, -25)]),
-    )  # fmt: skip
-    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
+    return [
+        walk("hangars", [(-7.0, 1.6, -3.6), (3.0, 1.65, -3.8)], [(-6.0, 3.4, -25), (4.0, 3.4, -25)]),
+        walk("terminal", [(7.0, 1.6, 3.6), (-2.0, 1.6, 3.8)], [(8.0, 3.3, 27), (-8.0, 3.5, 27)]),
+        walk("grandstand", [(4.6, 1.65, 3.9), (10.2, 1.6, 1.6)], [(36.0, 3.4, 2.0), (40.0, 3.4, -4.0)]),
+        walk("north east", [(9.8, 1.6, -2.2), (1.8, 1.65, -3.9)], [(24.0, 3.4, -24), (15.0, 3.4, -26)]),
+        walk("containers", [(-5.0, 1.6, 3.6), (-10.3, 1.65, 1.8)], [(-38.0, 3.2, -2.0), (-40.0, 3.6, 4.0)]),
+        walk("north west", [(-9.8, 1.6, -2.4), (-2.0, 1.65, -3.6)], [(-26.0, 3.3, -25), (-14.0, 3.4, -26)]),
+        walk("south west", [(-9.4, 1.65, 2.6), (-1.8, 1.6, 3.8)], [(-24.0, 3.4, 26), (-10.0, 3.4, 27)]),
+        walk("east bend", [(10.4, 1.6, -2.6), (9.8, 1.6, 2.6)], [(38.0, 3.2, -12.0), (38.0, 3.4, 12.0)]),
+        walk("south east", [(9.6, 1.65, 2.4), (2.6, 1.6, 3.8)], [(26.0, 3.3, 26), (10.0, 3.4, 27)]),
+        walk("north line", [(5.0, 1.65, -3.6), (-5.0, 1.6, -3.9)], [(2.0, 3.2, -25), (-20.0, 3.4, -25)]),
+    ]
 
 
 def airstrip() -> Scene:

@@ -6,10 +6,11 @@ from itertools import pairwise
 import numpy as np
 
 from supersampling.scenes.airstrip.materials import Paints
-from supersampling.scenes.airstrip.shapes import outline, ring_band, skin, upright, wing
-from supersampling.scenes.foundry.parts import barrel, crate, fence, sign
+from supersampling.scenes.airstrip.shapes import ring_band, upright, wing
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import barrel, crate, fence, sign
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad, tube
+from supersampling.scenes.kit.skins import outline, skin
 
 HALF_X, HALF_Z = 50.0, 36.0
 ISLAND, APRON = (13.5, 6.2), (33.0, 21.0)  # half axes of the infield and of the tarmac's outer edge

@@ -169,7 +169,7 @@ class Paints:
         self.tufts = self._cut("tufts", blades(256, 72), 1.0)
         self.leaves = self._cut("leaves", crown(512, 74), 1.0)
 
-    def _matt(self, name: str, maps: metal.Maps, tile: float) -> int:
+    def _matt(self, name: str, maps: textures.Maps, tile: float) -> int:
         albedo, normal, surface = maps
         rough = textures.surface(0.8 + 0.2 * surface[..., 0] / 255.0)
         return self._builder.material(Material(name, albedo, normal, rough, roughness=1.0), tile)

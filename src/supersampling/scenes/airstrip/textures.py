@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from supersampling.scenes.kit import metal, textures
+from supersampling.scenes.kit import textures
 from supersampling.scenes.kit.lettering import Rgb
 from supersampling.scenes.scene import Texture
 
@@ -63,7 +63,7 @@ def striped(size: int, one: Rgb, two: Rgb, bands: int) -> Texture:
     return worn(np.where(row[..., None] > 0, one, two).astype(np.uint8), bands, 0.3)
 
 
-def patchy(maps: metal.Maps) -> metal.Maps:
+def patchy(maps: textures.Maps) -> textures.Maps:
     """Dry patches and clover in a lawn."""
     albedo, normal, surface = maps
     size = len(albedo)
@@ -72,7 +72,7 @@ def patchy(maps: metal.Maps) -> metal.Maps:
     return textures.picture(albedo / 255 * tint), normal, surface
 
 
-def runway(size: int, seed: int) -> metal.Maps:
+def runway(size: int, seed: int) -> textures.Maps:
     """Cast slabs with tarred joints and cracks, patches, oil and tyre marks."""
     grain, cloud = textures.fractal(size, seed, 0.25), textures.fractal(size, seed + 1, 1.1)
     crack = np.abs(textures.fractal(size, seed + 2, 1.35) - 0.5) < 0.004

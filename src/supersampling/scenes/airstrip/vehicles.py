@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 
 from supersampling.scenes.airstrip.shapes import hull, propeller, upright, wheel, wing
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad, sphere
 
-Part = tuple[Shape, int]
 AXLES = (1.35, -1.25)  # x of a truck's axles
 TYRE = 0.42
 NOSE = (2.5, 0.0, 0.0)  # where a plane's propeller turns
@@ -104,7 +104,9 @@ def _rigging(biplane: bool) -> Shape:
             rods.append(beam((0.75, -0.25, s * 0.5), (0.9, 1.2, s * 2.05), 0.015))
     wheels = [wheel(0.27, 0.16).shift(0.75, -0.85, s * 0.9) for s in (-1, 1)]
     wheels.append(wheel(0.11, 0.07).shift(-2.6, -0.3, 0))
-    pots = [cylinder(0.05, 0.5, 8).at(rotation((0, 0, 1), np.pi / 2)).shift(1.6, -0.3, s * 0.42) for s in (-1, 1)]
+    pots = [
+        cylinder(0.05, 0.5, 8).transform(rotation((0, 0, 1), np.pi / 2)).shift(1.6, -0.3, s * 0.42) for s in (-1, 1)
+    ]
     frame = [box((0.04, 0.05, 0.5), (x, 0.8, 0)) for x in (-0.1, 0.3)]
     return join([*rods, *wheels, *pots, *frame])
 
@@ -188,5 +190,5 @@ def drone(paint: int, metal: int) -> list[Part]:
 
 
 def rotor(metal: int) -> list[Part]:
-    blades = [box((0.54, 0.012, 0.045)).at(rotation((1, 0, 0), 0.25)), cylinder(0.03, 0.05, 8)]
+    blades = [box((0.54, 0.012, 0.045)).transform(rotation((1, 0, 0), 0.25)), cylinder(0.03, 0.05, 8)]
     return [(join(blades), metal)]

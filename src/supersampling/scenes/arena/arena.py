@@ -5,13 +5,14 @@ from typing import Literal
 
 import numpy as np
 
-from supersampling.scenes.airstrip.motion import Course
-from supersampling.scenes.arena.figures import HEAD, Part
+from supersampling.scenes.arena.figures import HEAD
 from supersampling.scenes.arena.gait import biped, crawler
 from supersampling.scenes.arena.materials import Materials
 from supersampling.scenes.arena.ring import BRAZIERS, crowd, obstacles, ring, trim
-from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.builder import Builder, Part
+from supersampling.scenes.kit.course import Course
 from supersampling.scenes.kit.motion import chain, shuttle, spin, translation
+from supersampling.scenes.kit.routes import walk
 from supersampling.scenes.kit.shapes import Shape, quad
 from supersampling.scenes.scene import Array, Object, PointLight, Route, Scene, Sky, Sun, Transform
 
@@ -138,7 +139,7 @@ def _routes() -> list[Route]:
         eye = np.stack([11.7 * np.cos(angle), np.full(6, 1.62), -11.7 * np.sin(angle)], 1)
         aside = np.radians(first + np.linspace(-24, 24, 6) + (35, -35, 0, 50, -20)[k % 5])
         focus = np.stack([3.0 * np.cos(aside), np.full(6, 1.35), -3.0 * np.sin(aside)], 1)
-        routes.append(Route(name, eye.astype(np.float32), focus.astype(np.float32)))
+        routes.append(walk(name, eye, focus))
     return routes
 
 

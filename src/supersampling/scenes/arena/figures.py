@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supersampling.scenes.airstrip.shapes import outline, skin
-from supersampling.scenes.foundry.parts import disc
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, sphere, tube
+from supersampling.scenes.kit.skins import outline, skin
+from supersampling.scenes.kit.wheels import disc
 
-Part = tuple[Shape, int]
 THIGH, SHIN, ANKLE = 0.46, 0.4, 0.1  # lengths of the limbs; height of the ankle above the sole
 LEG = THIGH + SHIN
 HEAD = 1.95  # height of a robot's top
@@ -129,10 +129,10 @@ def arm(coat: Coat, side: int, kind: int) -> tuple[list[Part], list[Part]]:
     hand = [box((0.07, 0.09, 0.05), (0.0, -0.33, 0))]
     hand += [beam((dx, -0.36, 0.0), (dx + 0.03, -0.45, 0), 0.02) for dx in (-0.03, 0.0, 0.03)]
     if side > 0 and kind % 2 == 0:
-        hand += [cylinder(0.025, 1.5, 10).at(rotation((0, 0, 1), 1.35)).shift(0.25, -0.32, 0)]
+        hand += [cylinder(0.025, 1.5, 10).transform(rotation((0, 0, 1), 1.35)).shift(0.25, -0.32, 0)]
         hand += [
             lathe([(0.0, 0.2), (0.05, 0.06), (0.0, 0.0)], 8)
-            .at(rotation((0, 0, 1), 1.35 - np.pi))
+            .transform(rotation((0, 0, 1), 1.35 - np.pi))
             .shift(0.95, -0.478, 0)
         ]
     elif side < 0 and kind % 3 != 2:

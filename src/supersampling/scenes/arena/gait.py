@@ -7,7 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supersampling.scenes.arena.figures import ANKLE, LEG, SHIN, THIGH, Coat, Part, arm, casing, head, leg, torso
+from supersampling.scenes.arena.figures import ANKLE, LEG, SHIN, THIGH, Coat, arm, casing, head, leg, torso
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import chain, rotation, sway, translation
 from supersampling.scenes.kit.shapes import Shape, beam, join, lathe, sphere, tube
 from supersampling.scenes.scene import Array, Transform
@@ -143,7 +144,7 @@ def crawler(add: Add, ride: Transform, speed: float, phase: float, coat: Coat) -
         ]
         knob += [
             casing([(0.2, 0.05, 0.05), (0.0, 0.1, 0.1), (-0.22, 0.06, 0.06)], 0.7)
-            .at(rotation((1, 0, 0), -side * 0.42))
+            .transform(rotation((1, 0, 0), -side * 0.42))
             .shift(0, 0.08, side * 0.55)
         ]
         row = sway((x, 0.64, side * 0.3), (0, 1, 0), 20, speed / 0.62, phase + np.pi * ((k // 2 + k) % 2))

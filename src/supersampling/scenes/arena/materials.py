@@ -29,7 +29,7 @@ FIGURES: tuple[tuple[str, str, int, tuple[int, int], Rgb], ...] = (
 )
 
 
-def trodden(size: int, seed: int, stops: list[tuple[float, float, float]]) -> metal.Maps:
+def trodden(size: int, seed: int, stops: list[tuple[float, float, float]]) -> textures.Maps:
     """Sand with gravel, damp patches, rake marks and footprints."""
     grit = np.tile(textures.photo("gravel"), (size // 512, size // 512))
     cloud, damp = textures.fractal(size, seed, 1.2), textures.fractal(size, seed + 1, 1.0)
@@ -103,7 +103,7 @@ class Materials:
         self.slots = self._shown("slots", interface.slots())
         self.pointer = self._shown("pointer", np.full((8, 8, 3), interface.GOLD, np.uint8))
 
-    def _maps(self, name: str, maps: metal.Maps, tile: float) -> int:
+    def _maps(self, name: str, maps: textures.Maps, tile: float) -> int:
         return self._builder.material(Material(name, *maps, roughness=1.0, metallic=1.0), tile)
 
     def _plain(self, name: str, albedo: Texture) -> int:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from supersampling.scenes.arena.materials import Materials
-from supersampling.scenes.foundry.parts import barrel, crate
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import barrel, crate
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad
 
 RADIUS = 14.0

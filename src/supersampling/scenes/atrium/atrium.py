@@ -3,10 +3,12 @@
 import numpy as np
 
 from supersampling.scenes.atrium import parts
-from supersampling.scenes.atrium.materials import Palette, cell
+from supersampling.scenes.atrium.materials import Palette
 from supersampling.scenes.atrium.motion import movers
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.shapes import box, cylinder, lathe, panel, quad, tube
+from supersampling.scenes.kit.furniture import bookcase, framed
+from supersampling.scenes.kit.routes import walk
+from supersampling.scenes.kit.shapes import atlas_cell, box, cylinder, lathe, panel, quad, tube
 from supersampling.scenes.scene import PointLight, Route, Scene, Sky, Sun
 
 LENGTH, WIDTH, HEIGHT = 22.0, 16.0, 7.0
@@ -78,9 +80,9 @@ def _colonnades(b: Builder, p: Palette) -> None:
 
 def _walls(b: Builder, p: Palette, rng: np.random.Generator) -> None:
     """Bookcases, newspapers, posters and rules on the four walls, and the clock's face."""
-    cases = [parts.bookcase(rng) for _ in range(2)]
-    picture, frame = parts.framed(1.5, 1.5)
-    poster, poster_frame = parts.framed(1.0, 1.0)
+    cases = [bookcase(rng) for _ in range(2)]
+    picture, frame = framed(1.5, 1.5)
+    poster, poster_frame = framed(1.0, 1.0)
     for turn in (0, 180):
         for k, x in enumerate(BAYS):
             if k % 2 == 0:
@@ -124,7 +126,7 @@ def _furniture(b: Builder, p: Palette, rng: np.random.Generator) -> None:
         ((-9.9, 3.5, 0), (-9.85, 3.52, 0.6), (9.9, -3.5, 0), (9.9, -3.55, 0.6), (9.3, 3.6, 0))
     ):
         crate = box((0.6, 0.6, 0.6), (0, 0.3, 0), fit=True)
-        b.put(crate.map_uv(*cell(4, 4, 3 * k)).turn_y(11 * k).shift(x, y, z), p.crates)
+        b.put(crate.map_uv(*atlas_cell(4, 4, 3 * k)).turn_y(11 * k).shift(x, y, z), p.crates)
     for x in (-7.0, -4.2, 4.2, 7.0):
         b.put(tube(parts.sagging((x, 4.86, -4.3), (x, 4.86, 4.3), 0.0), 0.012, 5), p.iron)
     for z in (-1.0, 1.0):
@@ -145,21 +147,20 @@ def _furniture(b: Builder, p: Palette, rng: np.random.Generator) -> None:
 
 def _routes() -> list[Route]:
     """Two walks in each aisle, three in the court, one across both rows of columns."""
-    lines: list[tuple[str, list[tuple[float, float, float]], list[tuple[float, float, float]]]] = [
-        ("north aisle to the statue", [(-9, 1.65, -6.2), (5, 1.65, -6.2)], [(-5, 1.5, 0), (8, 1.6, 1)]),
-        ("north shelves", [(8.6, 1.6, -5.7), (-4, 1.6, -5.9)], [(5, 1.6, -8), (-7.6, 1.6, -8)]),
-        ("south aisle to the statue", [(-9, 1.7, 6.2), (6, 1.7, 6.2)], [(-4, 1.6, 0), (8, 1.8, -1)]),
-        ("south papers", [(8.8, 1.6, 5.7), (-4, 1.6, 5.8)], [(5, 1.9, 8), (-7.8, 1.9, 8)]),
-        ("court past the plants", [(-8.5, 1.75, -2.5), (4.5, 1.75, -2.5)], [(-4, 1.9, 5), (8, 2.0, 5)]),
-        (
+    return [
+        walk("north aisle to the statue", [(-9, 1.65, -6.2), (5, 1.65, -6.2)], [(-5, 1.5, 0), (8, 1.6, 1)]),
+        walk("north shelves", [(8.6, 1.6, -5.7), (-4, 1.6, -5.9)], [(5, 1.6, -8), (-7.6, 1.6, -8)]),
+        walk("south aisle to the statue", [(-9, 1.7, 6.2), (6, 1.7, 6.2)], [(-4, 1.6, 0), (8, 1.8, -1)]),
+        walk("south papers", [(8.8, 1.6, 5.7), (-4, 1.6, 5.8)], [(5, 1.9, 8), (-7.8, 1.9, 8)]),
+        walk("court past the plants", [(-8.5, 1.75, -2.5), (4.5, 1.75, -2.5)], [(-4, 1.9, 5), (8, 2.0, 5)]),
+        walk(
             "court by the statue",
             [(8.6, 1.6, 1.7), (0, 1.6, 1.75), (-4, 1.6, 1.6)],
             [(3, 1.9, -5), (-4, 1.9, -7), (-9, 1.9, -5)],
         ),
-        ("west end", [(-8.4, 1.7, 3.4), (-8.3, 1.7, -6.2)], [(0, 1.8, 2), (0, 2.0, -5)]),
-        ("across at the east", [(8.4, 1.65, 6.6), (8.4, 1.65, -6.4)], [(0, 1.7, 4), (0, 1.8, -8)]),
+        walk("west end", [(-8.4, 1.7, 3.4), (-8.3, 1.7, -6.2)], [(0, 1.8, 2), (0, 2.0, -5)]),
+        walk("across at the east", [(8.4, 1.65, 6.6), (8.4, 1.65, -6.4)], [(0, 1.7, 4), (0, 1.8, -8)]),
     ]
-    return [Route(name, np.array(points, np.float32), np.array(focus, np.float32)) for name, points, focus in lines]
 
 
 def atrium() -> Scene:

@@ -3,11 +3,11 @@
 from typing import TypedDict, Unpack
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 from supersampling.scenes.atrium.parts import FLUTES, GIRTH
 from supersampling.scenes.kit import lettering, metal, textures
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.dials import clock_face
 from supersampling.scenes.scene import Material, Texture
 
 FRIEZES = ("LIGHT IS SAMPLED AND THE FRAME REMEMBERS", "WHAT THE EDGE HIDES THE MOTION SHOWS AGAIN")
@@ -25,30 +25,7 @@ class Look(TypedDict, total=False):
     emission: tuple[float, float, float]
 
 
-def clock_face(size: int = 512) -> Texture:
-    """Clock dial with sixty ticks and twelve numbers."""
-    image = Image.new("RGB", (size, size), (238, 230, 208))
-    draw, c = ImageDraw.Draw(image), size / 2
-    for minute in range(60):
-        angle = 2 * np.pi * minute / 60
-        x, y = np.sin(angle), -np.cos(angle)
-        inner = 0.42 if minute % 5 == 0 else 0.445
-        ends = (c + size * inner * x, c + size * inner * y, c + size * 0.47 * x, c + size * 0.47 * y)
-        draw.line(ends, (20, 20, 24), 9 if minute % 5 == 0 else 3)
-        if minute % 5 == 0:
-            place = (c + size * 0.355 * x, c + size * 0.355 * y)
-            draw.text(
-                place,
-                str(minute // 5 or 12),
-                (20, 20, 24),
-                lettering.font(48, "DejaVuSerif-Bold"),
-                anchor="mm",
-            )
-    draw.text((c, size * 0.66), "RASTER & SONS", (70, 50, 30), lettering.font(22), anchor="mm")
-    return np.asarray(image)
-
-
-def _carved(text: str, seed: int) -> tuple[Texture, Texture, Texture]:
+def _carved(text: str, seed: int) -> textures.Maps:
     """A stone band, eight times as wide as high, with its text cut in."""
     albedo, height = lettering.inscription(text, 1024, 128, 36, seed)
     return albedo, textures.normals(height, 5.0), textures.surface(np.full((8, 8), 0.8))
@@ -111,7 +88,7 @@ class Palette:
         self.mesh = self._cut("wire mesh", textures.lattice(512, 12, 0.22, (0.3, 0.3, 0.32), 15))
         self.glow = self._flat("lantern glass", metal.embers(256, 16)[0], emission=(5.0, 3.6, 2.0))
 
-    def _maps(self, name: str, maps: tuple[Texture, Texture, Texture], tile: float) -> int:
+    def _maps(self, name: str, maps: textures.Maps, tile: float) -> int:
         material = Material(name, *maps, roughness=1.0, metallic=1.0)
         return self._builder.material(material, tile)
 
@@ -120,8 +97,3 @@ class Palette:
 
     def _cut(self, name: str, albedo: Texture) -> int:
         return self._builder.material(Material(name, albedo, alpha="test", double_sided=True))
-
-
-def cell(columns: int, rows: int, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
-    """uv scale and offset of one cell of an atlas."""
-    return (1 / columns, 1 / rows), ((index % columns) / columns, (index // columns % rows) / rows)

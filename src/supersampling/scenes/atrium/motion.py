@@ -5,8 +5,10 @@ import numpy as np
 from supersampling.scenes.atrium import parts
 from supersampling.scenes.atrium.materials import Palette
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import bookcase
 from supersampling.scenes.kit.motion import chain, rotation, shuttle, spin, sway
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, grid, join, lathe, quad, sphere
+from supersampling.scenes.kit.wheels import hoop, wheel
 
 WHEEL = 0.2  # radius of the cart's wheels, metres
 TRACK = 6.5  # the cart runs between x = -TRACK and TRACK
@@ -37,11 +39,11 @@ def _banners(b: Builder, p: Palette) -> None:
 
 def _sphere(b: Builder, p: Palette) -> None:
     """Armillary sphere: an outer cage that turns, and rings and a globe that turn inside it."""
-    meridian, inner = parts.hoop(0.85, 0.05, 0.08), parts.hoop(0.66, 0.04, 0.06)
+    meridian, inner = hoop(0.85, 0.05, 0.08), hoop(0.66, 0.04, 0.06)
     flat = rotation((1, 0, 0), np.pi / 2)
-    outer = join([meridian, meridian.turn_y(90), meridian.at(flat)])
+    outer = join([meridian, meridian.turn_y(90), meridian.transform(flat)])
     b.move([(outer, p.brass)], spin((0, 2.4, 0), (0, 1, 0), 0.11))
-    core = join([inner, inner.at(flat), beam((0, -0.64, 0), (0, 0.64, 0), 0.02)])
+    core = join([inner, inner.transform(flat), beam((0, -0.64, 0), (0, 0.64, 0), 0.02)])
     turn = chain(spin((0, 2.4, 0), (0.35, 1, 0), -0.17), spin((0, 0, 0), (1, 0, 0.4), 0.09))
     b.move([(core, p.brass), (sphere(0.26, 32), p.cart)], turn)
 
@@ -72,7 +74,7 @@ def _arc(radius: float, start: float, height: float = 0.95) -> Shape:
 def _cart(b: Builder, p: Palette) -> None:
     """Book cart on rails; its wheels roll."""
     ends = (-TRACK, WHEEL + 0.02, 2.9), (TRACK, WHEEL + 0.02, 2.9)
-    wood, books = parts.bookcase(np.random.default_rng(3), 1.2, 2)
+    wood, books = bookcase(np.random.default_rng(3), 1.2, 2)
     body = [
         box((1.5, 0.12, 0.5), (0, 0.12, 0)),
         box((0.06, 0.1, 0.5), (-0.72, 0.23, 0)),
@@ -82,7 +84,7 @@ def _cart(b: Builder, p: Palette) -> None:
     handle = join([beam((x, 0.2, 0), (x, 1.1, 0), 0.03) for x in (-0.74, 0.74)])
     trip = shuttle(*ends, CART_HERTZ)
     b.move([(join(body), p.cart), (handle, p.iron), *sides], trip)
-    tyre, hub = parts.wheel(WHEEL)
+    tyre, hub = wheel(WHEEL)
     pair = [(s.shift(0, 0, z), m) for z in (-0.28, 0.28) for s, m in ((tyre, p.brass), (hub, p.iron))]
     for x in (-0.5, 0.5):
         roll = sway((x, 0, 0), (0, 0, 1), -np.degrees(TRACK / WHEEL), CART_HERTZ, -np.pi / 2)
@@ -94,6 +96,6 @@ def _clocks(b: Builder, p: Palette) -> None:
     for side in (-1, 1):
         for length, width, hertz, out in ((0.62, 0.05, 0.12, 0.03), (0.42, 0.08, 0.01, 0.015)):
             hand = box((width, length, 0.012), (0, length / 2 - 0.08, out))
-            knob = cylinder(0.05, 0.03, 12).at(rotation((1, 0, 0), np.pi / 2)).shift(0, 0, out)
+            knob = cylinder(0.05, 0.03, 12).transform(rotation((1, 0, 0), np.pi / 2)).shift(0, 0, out)
             moved = join([hand, knob]).turn_y(-90 * side)
             b.move([(moved, p.iron)], spin((side * 10.9, 3.9, 0), (-side, 0, 0), -hertz))

@@ -6,9 +6,10 @@ from supersampling.scenes.bar import lounge as bar_lounge
 from supersampling.scenes.bar import room as bar_room
 from supersampling.scenes.bar.materials import Palette
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.routes import walk
+from supersampling.scenes.kit.shapes import Point
 from supersampling.scenes.scene import PointLight, Route, Scene, Sky
 
-Point = tuple[float, float, float]
 _WARM, _PINK, _CYAN, _AMBER = (1.0, 0.68, 0.36), (1.0, 0.14, 0.42), (0.16, 0.75, 1.0), (1.0, 0.5, 0.12)
 
 
@@ -36,19 +37,22 @@ def _lights() -> list[PointLight]:
 
 
 def _routes() -> list[Route]:
-    lines: tuple[tuple[str, list[Point], list[Point]], ...] = (
-        ("along the counter", [(-5.6, 1.6, -0.6), (2.8, 1.6, -0.7)], [(-3.0, 1.2, -3.6), (3.6, 1.3, -4.4)]),
-        ("back to the window", [(3.4, 1.6, 0.5), (-4.6, 1.6, 0.2)], [(-2.0, 1.3, -2.8), (-7.5, 1.7, -1.4)]),
-        ("behind the counter", [(-5.0, 1.65, -3.85), (2.8, 1.65, -3.85)], [(-2.0, 1.2, -3.2), (6.5, 1.3, -1.0)]),
-        ("booths", [(3.3, 1.5, 2.7), (-5.6, 1.55, 2.7)], [(0.4, 1.3, 4.6), (-7.6, 1.4, 4.0)]),
-        ("shelves", [(3.0, 1.6, -0.9), (-4.8, 1.6, -0.9)], [(1.0, 1.5, -4.8), (-5.6, 1.5, -4.6)]),
-        ("stage", [(-0.4, 1.55, 0.1), (4.9, 1.6, -1.4)], [(5.4, 1.3, 2.2), (6.4, 1.4, 2.6)]),
-        ("seated", [(-6.8, 1.25, 2.3), (-1.4, 1.25, 2.5)], [(-3.4, 0.9, -0.4), (1.6, 0.95, -0.8)]),
-        ("window side", [(-7.0, 1.6, -1.6), (-7.0, 1.6, 3.6)], [(-1.0, 1.1, -2.2), (-0.6, 1.0, 1.2)]),
-        ("corner", [(6.9, 1.6, -3.9), (5.0, 1.6, -1.5), (3.4, 1.6, 0.4)], [(2, 1.2, -2.6), (0, 1.1, -3.2), (-3, 1.1, -2.4)]),
-        ("tables", [(-6.6, 1.45, -0.5), (2.0, 1.45, 0.1)], [(-3.4, 0.7, 1.6), (5.2, 0.9, 2.4)]),
-    )  # fmt: skip
-    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
+    return [
+        walk("along the counter", [(-5.6, 1.6, -0.6), (2.8, 1.6, -0.7)], [(-3.0, 1.2, -3.6), (3.6, 1.3, -4.4)]),
+        walk("back to the window", [(3.4, 1.6, 0.5), (-4.6, 1.6, 0.2)], [(-2.0, 1.3, -2.8), (-7.5, 1.7, -1.4)]),
+        walk("behind the counter", [(-5.0, 1.65, -3.85), (2.8, 1.65, -3.85)], [(-2.0, 1.2, -3.2), (6.5, 1.3, -1.0)]),
+        walk("booths", [(3.3, 1.5, 2.7), (-5.6, 1.55, 2.7)], [(0.4, 1.3, 4.6), (-7.6, 1.4, 4.0)]),
+        walk("shelves", [(3.0, 1.6, -0.9), (-4.8, 1.6, -0.9)], [(1.0, 1.5, -4.8), (-5.6, 1.5, -4.6)]),
+        walk("stage", [(-0.4, 1.55, 0.1), (4.9, 1.6, -1.4)], [(5.4, 1.3, 2.2), (6.4, 1.4, 2.6)]),
+        walk("seated", [(-6.8, 1.25, 2.3), (-1.4, 1.25, 2.5)], [(-3.4, 0.9, -0.4), (1.6, 0.95, -0.8)]),
+        walk("window side", [(-7.0, 1.6, -1.6), (-7.0, 1.6, 3.6)], [(-1.0, 1.1, -2.2), (-0.6, 1.0, 1.2)]),
+        walk(
+            "corner",
+            [(6.9, 1.6, -3.9), (5.0, 1.6, -1.5), (3.4, 1.6, 0.4)],
+            [(2, 1.2, -2.6), (0, 1.1, -3.2), (-3, 1.1, -2.4)],
+        ),
+        walk("tables", [(-6.6, 1.45, -0.5), (2.0, 1.45, 0.1)], [(-3.4, 0.7, 1.6), (5.2, 0.9, 2.4)]),
+    ]
 
 
 def bar() -> Scene:

@@ -110,8 +110,8 @@ def _piano(p: Palette) -> list[tuple[Shape, int]]:
     flat = rotation((1, 0, 0), -np.pi / 2)
     right = forms.rounded([(0.75, -0.62), (0.75, 0.1), (0.2, 0.45), (0.25, 1.05), (-0.5, 1.05)], 0.28, 6)
     left = np.stack([np.full(len(right), -0.75), np.linspace(-0.62, 1.0, len(right))], 1)
-    body, lid = plate(right, left, 0.28).at(flat).shift(0, 0.82, 0), plate(right, left, 0.025).at(flat)
-    lid = lid.shift(0.75, 0, 0).at(rotation((0, 0, 1), 0.6)).shift(-0.75, 0.99, 0)
+    body, lid = plate(right, left, 0.28).transform(flat).shift(0, 0.82, 0), plate(right, left, 0.025).transform(flat)
+    lid = lid.shift(0.75, 0, 0).transform(rotation((0, 0, 1), 0.6)).shift(-0.75, 0.99, 0)
     black = [body, lid, beam((0.66, 0.96, 0.0), (0.5, 1.84, 0.0), 0.02)]
     black += [box((1.5, 0.06, 0.3), (0, 0.66, 0.76)), box((1.5, 0.26, 0.06), (0, 0.83, 0.6))]
     black += [box((0.09, 0.16, 0.3), (s * 0.705, 0.75, 0.76)) for s in (-1, 1)]

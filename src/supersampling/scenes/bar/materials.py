@@ -2,6 +2,7 @@
 
 from supersampling.scenes.bar import textures as tex
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.textures import Maps
 from supersampling.scenes.scene import Material, Texture
 
 Color = tuple[float, float, float]
@@ -96,7 +97,7 @@ class Palette:
         self.candle = self._plain("candle glass", (0.7, 0.3, 0.1), 0.12, (2.6, 1.1, 0.25))
         self.strip = self._plain("shelf light", (0.9, 0.8, 0.6), 0.2, (4.0, 2.9, 1.6))
 
-    def _maps(self, name: str, maps: tex.Maps, tile: float, emission: Color = (0.0, 0.0, 0.0)) -> int:
+    def _maps(self, name: str, maps: Maps, tile: float, emission: Color = (0.0, 0.0, 0.0)) -> int:
         albedo, normal, surface = maps
         material = Material(name, albedo, normal, surface, roughness=1.0, metallic=1.0, emission=emission)
         return self._builder.material(material, tile)

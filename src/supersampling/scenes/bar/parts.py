@@ -169,7 +169,9 @@ def fan(blades: int, radius: float) -> tuple[Shape, Shape]:
     )
     for i in range(blades):
         turn = 360 / blades * i
-        blade = box((radius - 0.22, 0.012, 0.15), (0.22 + (radius - 0.22) / 2, 0, 0)).at(rotation((1, 0, 0), 0.22))
+        blade = box((radius - 0.22, 0.012, 0.15), (0.22 + (radius - 0.22) / 2, 0, 0)).transform(
+            rotation((1, 0, 0), 0.22)
+        )
         wood.append(blade.turn_y(turn))
-        brass.append(box((0.2, 0.015, 0.05), (0.18, 0.004, 0)).at(rotation((1, 0, 0), 0.22)).turn_y(turn))
+        brass.append(box((0.2, 0.015, 0.05), (0.18, 0.004, 0)).transform(rotation((1, 0, 0), 0.22)).turn_y(turn))
     return join(wood), join(brass)

@@ -145,7 +145,7 @@ def _canopy(b: Builder, p: Palette) -> None:
             b.put(box((0.5, 0.008, 0.012), (x, 2.775, -2.82 + dz)), p.brass)
         for dx in (-0.12, 0.05):
             turned = parts.drinking_glass(2)
-            upside = turned.at(np.diag([1.0, -1.0, -1.0, 1.0])).shift(x + dx, 2.77, -2.87)
+            upside = turned.transform(np.diag([1.0, -1.0, -1.0, 1.0])).shift(x + dx, 2.77, -2.87)
             b.put(upside, p.dark_glass)
 
 

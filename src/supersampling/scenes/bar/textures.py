@@ -6,10 +6,8 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from supersampling.scenes.kit.lettering import Rgb, font
-from supersampling.scenes.kit.textures import Field, fractal, masonry, normals, picture, ramp, surface
+from supersampling.scenes.kit.textures import Field, Maps, fractal, masonry, normals, picture, ramp, surface
 from supersampling.scenes.scene import Texture
-
-Maps = tuple[Texture, Texture, Texture]
 
 
 def _tilted(height: Field, strength: float, tilt: tuple[Field, Field], most: float) -> Texture:

@@ -4,13 +4,12 @@ import numpy as np
 
 from supersampling.scenes.foundry.hall import lamps, markings, panels, pipes, shell, walkway
 from supersampling.scenes.foundry.machines import machines
-from supersampling.scenes.foundry.parts import barrel, crate, fence, turned
 from supersampling.scenes.foundry.stock import Stock, stock
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import barrel, crate, fence
+from supersampling.scenes.kit.routes import walk
 from supersampling.scenes.kit.shapes import beam, box, cylinder, lathe
 from supersampling.scenes.scene import Route, Scene, Sky, Sun
-
-Point = tuple[float, float, float]
 
 
 def _shelf(b: Builder, m: Stock, x: float, z: float, turn: float, seed: int) -> None:
@@ -85,8 +84,7 @@ def _rods(b: Builder, m: Stock) -> None:
         for z in (-2.38, -1.72):
             b.put(beam((x, 0, z), (x, 1.0, z), 0.07), m.yellow)
     rng = np.random.default_rng(40)
-    rod = cylinder(0.032, 3.9, 8)
-    rod = turned(rod, (0, 0, 1), 90)
+    rod = cylinder(0.032, 3.9, 8).turn((0, 0, 1), 90)
     for row in range(5):
         for column in range(9):
             x, shift = 6.4 + float(rng.uniform(-0.25, 0.25)), 0.035 * (row % 2)
@@ -95,25 +93,24 @@ def _rods(b: Builder, m: Stock) -> None:
 
 
 def _routes() -> list[Route]:
-    lines: tuple[tuple[str, list[Point], list[Point]], ...] = (
-        ("gears", [(-8.0, 1.6, -3.3), (-1.2, 1.65, -3.1)], [(-7.2, 1.6, -6), (-3.0, 2.0, -6)]),
-        ("conveyor", [(-0.5, 1.6, 4.1), (9.2, 1.7, 4.0)], [(3.0, 0.9, 1.5), (5.5, 1.0, 1.0)]),
-        (
+    return [
+        walk("gears", [(-8.0, 1.6, -3.3), (-1.2, 1.65, -3.1)], [(-7.2, 1.6, -6), (-3.0, 2.0, -6)]),
+        walk("conveyor", [(-0.5, 1.6, 4.1), (9.2, 1.7, 4.0)], [(3.0, 0.9, 1.5), (5.5, 1.0, 1.0)]),
+        walk(
             "furnace",
             [(-7.6, 1.65, 4.6), (-8.2, 1.6, 1.0), (-7.6, 1.6, -2.8)],
             [(-11, 1.4, 1.2), (-11, 1.5, 0), (-6, 1.6, -6)],
         ),
-        ("shelves", [(8.6, 1.6, 4.6), (-3.0, 1.6, 4.6)], [(5.5, 1.4, 6.3), (-6.5, 1.4, 6.3)]),
-        ("press", [(0.0, 1.65, -2.7), (9.6, 1.65, -3.3)], [(3.6, 1.7, -5.5), (11.0, 2.5, -4.2)]),
-        ("east aisle", [(10.3, 1.65, 4.4), (10.35, 1.6, -3.6)], [(5.0, 1.2, 1.8), (4.6, 1.8, -5.0)]),
-        ("crane", [(9.8, 1.7, -0.9), (3.2, 1.6, -1.1)], [(3.0, 1.8, -0.6), (-3.2, 1.5, -1.0)]),
-        (
+        walk("shelves", [(8.6, 1.6, 4.6), (-3.0, 1.6, 4.6)], [(5.5, 1.4, 6.3), (-6.5, 1.4, 6.3)]),
+        walk("press", [(0.0, 1.65, -2.7), (9.6, 1.65, -3.3)], [(3.6, 1.7, -5.5), (11.0, 2.5, -4.2)]),
+        walk("east aisle", [(10.3, 1.65, 4.4), (10.35, 1.6, -3.6)], [(5.0, 1.2, 1.8), (4.6, 1.8, -5.0)]),
+        walk("crane", [(9.8, 1.7, -0.9), (3.2, 1.6, -1.1)], [(3.0, 1.8, -0.6), (-3.2, 1.5, -1.0)]),
+        walk(
             "winding gear",
             [(-7.2, 1.6, 0.9), (-1.4, 1.6, 1.2), (-1.0, 1.6, 3.2)],
             [(-3.6, 1.3, -0.8), (-1.0, 1.2, -1.0), (4, 1.0, 1.6)],
         ),
-    )
-    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
+    ]
 
 
 def foundry() -> Scene:

@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from supersampling.scenes.foundry.parts import disc, flange, hand_wheel, ladder, pipe, sign, truss
+from supersampling.scenes.foundry.parts import flange, hand_wheel, ladder, pipe, truss
 from supersampling.scenes.foundry.stock import Stock
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import sign
 from supersampling.scenes.kit.shapes import beam, box, lathe, panel, tube
+from supersampling.scenes.kit.wheels import disc
 from supersampling.scenes.scene import PointLight
 
 HALF_X, HALF_Z, HEIGHT = 12.0, 7.0, 8.0

@@ -2,25 +2,13 @@
 
 import numpy as np
 
-from supersampling.scenes.foundry.parts import (
-    blades,
-    chain_links,
-    circuit,
-    crate,
-    disc,
-    fence,
-    gear,
-    hook,
-    meshing_phase,
-    oval,
-    ring,
-)
+from supersampling.scenes.foundry.parts import blades, chain_links, circuit, hook, meshing_phase, oval
 from supersampling.scenes.foundry.stock import Stock
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import crate, fence
 from supersampling.scenes.kit.motion import chain, shuttle, spin, sway
-from supersampling.scenes.kit.shapes import beam, box, cylinder, join, panel
-
-Point = tuple[float, float, float]
+from supersampling.scenes.kit.shapes import Point, beam, box, cylinder, join, panel
+from supersampling.scenes.kit.wheels import disc, gear, ring
 
 
 def _train(b: Builder, first: Point, wheels: list[tuple[int, float]], hertz: float, metals: list[int]) -> None:

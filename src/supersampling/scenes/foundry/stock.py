@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from supersampling.scenes.kit import lettering, metal, textures
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.dials import gauge
 from supersampling.scenes.scene import Material
 
 
@@ -32,7 +33,7 @@ class Stock:
     notices: tuple[int, ...]
 
 
-def _maps(maps: metal.Maps, name: str, metallic: float = 0.0) -> Material:
+def _maps(maps: textures.Maps, name: str, metallic: float = 0.0) -> Material:
     albedo, normal, surface = maps
     return Material(name, albedo, normal, surface, roughness=1.0, metallic=metallic)
 
@@ -55,7 +56,7 @@ def _notices(builder: Builder) -> tuple[int, ...]:
 
 def _gauges(builder: Builder) -> tuple[int, ...]:
     units = ("bar", "kN", "rpm")
-    return tuple(builder.material(Material(u, lettering.gauge(i, u), roughness=0.3)) for i, u in enumerate(units))
+    return tuple(builder.material(Material(u, gauge(i, u), roughness=0.3)) for i, u in enumerate(units))
 
 
 def stock(builder: Builder) -> Stock:

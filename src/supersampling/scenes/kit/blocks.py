@@ -61,7 +61,7 @@ def beam(a: ArrayLike, b: ArrayLike, width: float, height: float | None = None) 
     x /= np.linalg.norm(x)
     matrix = np.eye(4)
     matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = x, up, _cross(x, up), start
-    return box((width, length, height or width), (0, length / 2, 0)).at(matrix)
+    return box((width, length, height or width), (0, length / 2, 0)).transform(matrix)
 
 
 def quad(corner: ArrayLike, right: ArrayLike, down: ArrayLike) -> Shape:

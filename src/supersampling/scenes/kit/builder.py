@@ -8,6 +8,7 @@ from supersampling.scenes.kit.shapes import Shape, join
 from supersampling.scenes.scene import Material, Mesh, Object, Transform
 
 Color = tuple[float, float, float]
+Part = tuple[Shape, int]  # a shape and its material
 
 
 class Builder:

@@ -57,7 +57,7 @@ def _fill(
         draw.text((box[0], y), " ".join(line), color, letters)
 
 
-def _aged(image: Image.Image, seed: int, amount: float = 0.25) -> Texture:
+def aged(image: Image.Image, seed: int, amount: float = 0.25) -> Texture:
     """Multiplies paper grain into a drawing."""
     pixels = np.asarray(image, float) / 255
     side = max(image.size)
@@ -93,7 +93,7 @@ def newspaper(seed: int, size: int = 1024) -> Texture:
             "DejaVuSerif",
         )
         draw.line((left + width - 9, 262, left + width - 9, size - 30), ink, 1)
-    return _aged(image, seed)
+    return aged(image, seed)
 
 
 def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Texture:
@@ -111,7 +111,7 @@ def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Tex
     for points in (30, 22, 16, 12, 9):
         draw.text((size // 2, at), _prose(rng, 3 + 66 // points), front, font(points, "DejaVuSans"), anchor="ma")
         at += round(points * 1.35)
-    return _aged(image, seed, 0.2)
+    return aged(image, seed, 0.2)
 
 
 def inscription(text: str, width: int, height: int, points: int, seed: int) -> tuple[Texture, np.ndarray]:
@@ -146,7 +146,7 @@ def spines(seed: int, size: int = 1024, columns: int = 16, rows: int = 4) -> Tex
         draw.text((26, width // 2), title, ink, font(points, ("DejaVuSerif-Bold", "DejaVuSans")[k % 2]), anchor="lm")
         draw.text((height - 42, width // 2), str(k + 1), ink, font(16), anchor="lm")
         image.paste(book.rotate(-90, expand=True), ((k % columns) * width, (k // columns) * height))
-    return _aged(image, seed, 0.35)
+    return aged(image, seed, 0.35)
 
 
 def banner(seed: int, back: Rgb, front: Rgb, word: str, width: int = 256, height: int = 1024) -> Texture:
@@ -163,7 +163,7 @@ def banner(seed: int, back: Rgb, front: Rgb, word: str, width: int = 256, height
     _fill(draw, (26, height - 200, width - 26, height - 20), _prose(rng, 80), 15, front, "DejaVuSans")
     y, x = np.mgrid[:height, :width]
     weave = 0.8 + 0.2 * ((x // 2 + y // 2) % 2)
-    return picture(np.asarray(_aged(image, seed, 0.2), float) / 255 * weave[..., None])
+    return picture(np.asarray(aged(image, seed, 0.2), float) / 255 * weave[..., None])
 
 
 def label_sheet(seed: int, size: int = 1024, cells: int = 4) -> Texture:
@@ -189,35 +189,7 @@ def label_sheet(seed: int, size: int = 1024, cells: int = 4) -> Texture:
             draw.rectangle((x, step - 72, x + bar - 1, step - 48), ink)
             x += bar + int(rng.integers(2, 5))
         image.paste(side, ((k % cells) * step, (k // cells) * step))
-    return _aged(image, seed, 0.35)
-
-
-def gauge(seed: int, unit: str, size: int = 256) -> Texture:
-    """Dial: fine ticks over 270 degrees, numbers, a red sector."""
-    image = Image.new("RGB", (4 * size, 4 * size), (236, 232, 218))
-    draw, s, c = ImageDraw.Draw(image), 4 * size, 2 * size
-    draw.ellipse((4, 4, s - 4, s - 4), outline=(30, 30, 30), width=s // 30)
-    draw.arc((s * 0.1, s * 0.1, s * 0.9, s * 0.9), 340, 45, (200, 40, 30), s // 18)
-    for i in range(101):
-        angle = np.radians(135 + 2.7 * i)
-        inner = 0.34 if i % 10 == 0 else 0.37 if i % 5 == 0 else 0.385
-        x, y = np.cos(angle), np.sin(angle)
-        draw.line(
-            (c + s * inner * x, c + s * inner * y, c + s * 0.42 * x, c + s * 0.42 * y),
-            (20, 20, 20),
-            s // (140 if i % 10 else 80),
-        )
-        if i % 10 == 0:
-            draw.text(
-                (c + s * 0.28 * x, c + s * 0.28 * y),
-                str(i),
-                (20, 20, 20),
-                font(s // 16, "DejaVuSans-Bold"),
-                anchor="mm",
-            )
-    draw.text((c, s * 0.68), unit, (20, 20, 20), font(s // 13, "DejaVuSans-Bold"), anchor="mm")
-    draw.text((c, s * 0.8), f"No {4100 + seed}", (60, 60, 60), font(s // 24, "DejaVuSans"), anchor="mm")
-    return _aged(image.resize((size, size), Image.Resampling.BOX), seed, 0.12)
+    return aged(image, seed, 0.35)
 
 
 def notice(seed: int, head: str, back: Rgb, ink: Rgb, size: int = 512) -> Texture:
@@ -234,4 +206,4 @@ def notice(seed: int, head: str, back: Rgb, ink: Rgb, size: int = 512) -> Textur
         draw.line((22, y, size - 22, y), ink, 1)
         for column in range(6):
             draw.text((28 + column * 78, y + 3), f"{rng.random() * 900:.2f}", ink, font(15, "DejaVuSansMono"))
-    return _aged(image, seed, 0.2)
+    return aged(image, seed, 0.2)

@@ -4,10 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from supersampling.scenes.kit.textures import Field, fractal, normals, picture, ramp, surface
-from supersampling.scenes.scene import Texture
-
-Maps = tuple[Texture, Texture, Texture]
+from supersampling.scenes.kit.textures import Field, Maps, fractal, normals, picture, ramp, surface
 
 
 def _dots(size: int, count: int, radius: float, edge_only: bool = False) -> Field:

@@ -43,6 +43,16 @@ def sway(pivot: ArrayLike, axis: ArrayLike, degrees: float, hertz: float, phase:
     return at
 
 
+def fixed(place: Matrix) -> Transform:
+    """A place that stays, to be the first of a `chain`."""
+    matrix = place.astype(np.float32)
+
+    def at(_: float) -> Array:
+        return matrix
+
+    return at
+
+
 def shuttle(a: ArrayLike, b: ArrayLike, hertz: float, phase: float = 0.0) -> Transform:
     """Sinusoidal travel of the object's own origin between ``a`` and ``b``."""
     start, end = np.asarray(a, float), np.asarray(b, float)

@@ -11,7 +11,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supersampling.scenes.kit.motion import rotation
+
 Floats = NDArray[np.float64]
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +26,7 @@ class Shape:
     uv: Floats
     triangles: NDArray[np.int64]
 
-    def at(self, matrix: Floats) -> "Shape":
+    def transform(self, matrix: Floats) -> "Shape":
         """Moved by a rigid ``(4, 4)`` matrix."""
         turn = matrix[:3, :3]
         return Shape(self.positions @ turn.T + matrix[:3, 3], self.normals @ turn.T, self.uv, self.triangles)
@@ -36,10 +39,19 @@ class Shape:
         c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
         matrix = np.eye(4)
         matrix[:3, :3] = [[c, 0, s], [0, 1, 0], [-s, 0, c]]
-        return self.at(matrix)
+        return self.transform(matrix)
+
+    def turn(self, axis: ArrayLike, degrees: float) -> "Shape":
+        """Turned about ``axis`` through the origin (right-hand rule)."""
+        return self.transform(rotation(axis, np.radians(degrees)))
 
     def map_uv(self, scale: tuple[float, float], offset: tuple[float, float] = (0.0, 0.0)) -> "Shape":
         return Shape(self.positions, self.normals, self.uv * scale + offset, self.triangles)
+
+
+def atlas_cell(columns: int, rows: int, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    """uv scale and offset of one cell of an atlas."""
+    return (1 / columns, 1 / rows), ((index % columns) / columns, (index // columns % rows) / rows)
 
 
 def join(shapes: Sequence[Shape]) -> Shape:
@@ -111,7 +123,7 @@ def beam(a: ArrayLike, b: ArrayLike, width: float, height: float | None = None) 
     along = end - start
     length = float(np.linalg.norm(along))
     bar = box((width, length, height or width), (0, length / 2, 0))
-    return bar.at(_frame(start, along / length))
+    return bar.transform(_frame(start, along / length))
 
 
 def _frame(origin: Floats, up: Floats) -> Floats:

@@ -13,6 +13,7 @@ from skimage import data, transform
 from supersampling.scenes.scene import Texture
 
 Field = NDArray[np.float64]
+Maps = tuple[Texture, Texture, Texture]  # albedo, normal, surface
 
 
 def fractal(size: int, seed: int, slope: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)) -> Field:
@@ -88,9 +89,7 @@ def masonry(
     return inside, value, np.clip((distance - gap / 2) / (gap * 1.2), 0, 1) ** 0.5
 
 
-def bricks(
-    size: int, rows: int, columns: int, stops: Sequence[Sequence[float]], seed: int
-) -> tuple[Texture, Texture, Texture]:
+def bricks(size: int, rows: int, columns: int, stops: Sequence[Sequence[float]], seed: int) -> Maps:
     """Brick wall: albedo, normal, surface."""
     inside, value, height = masonry(size, rows, columns, 0.012, seed)
     grain, stain, pits = (
@@ -106,9 +105,7 @@ def bricks(
     return albedo, normals(relief, 7.0), surface(0.72 + 0.25 * grain)
 
 
-def floor_tiles(
-    size: int, count: int, colors: Sequence[Sequence[Sequence[float]]], seed: int
-) -> tuple[Texture, Texture, Texture]:
+def floor_tiles(size: int, count: int, colors: Sequence[Sequence[Sequence[float]]], seed: int) -> Maps:
     """Checkered marble with veins, inlaid diamonds and joints: albedo, normal, surface."""
     inside, value, height = masonry(size, count, count, 0.006, seed, 0.0)
     y, x = np.mgrid[:size, :size] / size * count
@@ -129,7 +126,7 @@ def floor_tiles(
     )
 
 
-def cobbles(size: int, seed: int) -> tuple[Texture, Texture, Texture]:
+def cobbles(size: int, seed: int) -> Maps:
     """Rounded setts in running bond with grit between: albedo, normal, surface."""
     inside, value, height = masonry(size, 12, 12, 0.014, seed)
     grit = resized(photo("gravel"), size)
@@ -143,7 +140,7 @@ def cobbles(size: int, seed: int) -> tuple[Texture, Texture, Texture]:
     )
 
 
-def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4) -> tuple[Texture, Texture, Texture]:
+def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4) -> Maps:
     """Ashlar blocks with pits and chisel marks: albedo, normal, surface."""
     inside, value, height = masonry(size, rows, max(rows // 2, 1), 0.006, seed)
     grain, cloud = fractal(size, seed + 1, 0.35), fractal(size, seed + 2, 1.2)
@@ -159,7 +156,7 @@ def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4)
     )
 
 
-def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6) -> tuple[Texture, Texture, Texture]:
+def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6) -> Maps:
     """Planks along v with grain: albedo, normal, surface."""
     x = np.mgrid[:size, :size][1] / size * planks
     value = np.random.default_rng(seed).random(planks)[np.floor(x).astype(int) % planks]
@@ -172,9 +169,7 @@ def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6
     return picture(albedo), normals(0.5 * fibre + 0.3 * rings - 0.8 * gap, 4.0), surface(0.45 + 0.35 * fibre)
 
 
-def rough(
-    size: int, seed: int, stops: Sequence[Sequence[float]], base: str = "gravel"
-) -> tuple[Texture, Texture, Texture]:
+def rough(size: int, seed: int, stops: Sequence[Sequence[float]], base: str = "gravel") -> Maps:
     """Ground from one of scikit-image's photographs: albedo, normal, surface."""
     field, cloud = resized(photo(base), size), fractal(size, seed, 1.2)
     tone = np.clip(field * 0.8 + 0.35 * (cloud - 0.5) + 0.1, 0, 1)

@@ -1,6 +1,7 @@
 """Materials of the louvred street; all are matt."""
 
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.textures import Maps
 from supersampling.scenes.louvres import textures as tex
 from supersampling.scenes.scene import Material, Texture
 
@@ -69,7 +70,7 @@ class Palette:
         self.gingham = self._cloth("gingham red", tex.gingham(512, 8, (RED, CREAM), 27), 0.28)
         self.check = self._cloth("gingham blue", tex.gingham(512, 8, (NAVY, CREAM), 28), 0.28)
 
-    def _maps(self, name: str, maps: tex.Maps, tile: float) -> int:
+    def _maps(self, name: str, maps: Maps, tile: float) -> int:
         albedo, normal, surface = maps
         return self._builder.material(Material(name, albedo, normal, surface, roughness=1.0), tile)
 

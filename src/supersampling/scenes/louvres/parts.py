@@ -46,7 +46,7 @@ def fins(width: float, height: float, pitch: float, thick: float, depth: float, 
 
 def slats(width: float, height: float, pitch: float, thick: float, depth: float, tilt: float = 0.0) -> Shape:
     """Level blades one above the other before a wall, their front edges tilted down by ``tilt`` degrees."""
-    blade = box((width, thick, depth), (0, 0, 0), _LYING).at(rotation((1, 0, 0), np.radians(tilt)))
+    blade = box((width, thick, depth), (0, 0, 0), _LYING).transform(rotation((1, 0, 0), np.radians(tilt)))
     return copies(blade, _placed(0, _steps(height, pitch) + height / 2, 0))
 
 
@@ -89,7 +89,7 @@ def corrugated(width: float, height: float, pitch: float, depth: float) -> Shape
 
 def shutter(width: float, height: float, pitch: float, depth: float = 0.02) -> Shape:
     """Roller shutter: level waves."""
-    turned = corrugated(height, width, pitch, depth).at(rotation((0, 0, 1), np.pi / 2))
+    turned = corrugated(height, width, pitch, depth).transform(rotation((0, 0, 1), np.pi / 2))
     return turned.shift(width / 2, height / 2, 0)
 
 
@@ -194,6 +194,8 @@ def hanging_blind(width: float, height: float, pitch: float) -> tuple[Shape, Sha
     """Blind of thin slats that hangs from the origin; its cords and top rail."""
     cords = [beam((x, 0, 0), (x, -height, 0), 0.008) for x in (-width * 0.36, 0.0, width * 0.36)]
     rails = [box((width + 0.06, 0.05, 0.05), (0, -0.02, 0)), box((width, 0.03, 0.03), (0, -height, 0))]
-    blade = box((width, 0.006, 0.036), faces=("front", "back", "top", "bottom")).at(rotation((1, 0, 0), np.radians(28)))
+    blade = box((width, 0.006, 0.036), faces=("front", "back", "top", "bottom")).transform(
+        rotation((1, 0, 0), np.radians(28))
+    )
     blades = copies(blade, _placed(0, _steps(height - 0.1, pitch) - height / 2, 0))
     return blades, join([*cords, *rails])

@@ -4,11 +4,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from supersampling.scenes.kit.textures import Field, fractal, masonry, normals, photo, picture, ramp, resized, surface
+from supersampling.scenes.kit.textures import (
+    Field,
+    Maps,
+    fractal,
+    masonry,
+    normals,
+    photo,
+    picture,
+    ramp,
+    resized,
+    surface,
+)
 from supersampling.scenes.scene import Texture
 
 Color = Sequence[float]
-Maps = tuple[Texture, Texture, Texture]
 LEAST_ROUGHNESS = 0.6
 
 

@@ -9,10 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from supersampling.scenes.atrium.materials import cell
 from supersampling.scenes.kit.blocks import beam, box, panel, quad
 from supersampling.scenes.kit.builder import Color
-from supersampling.scenes.kit.shapes import Shape, cylinder, grid, join, tube
+from supersampling.scenes.kit.shapes import Shape, atlas_cell, cylinder, grid, join, tube
 from supersampling.scenes.kit.site import WHITE, Site
 from supersampling.scenes.market.materials import Palette
 
@@ -182,7 +181,7 @@ def _goods(site: Site, p: Palette, shop: int, glass: tuple[float, float]) -> Non
                 )
                 x += 0.98
                 continue
-            site.put(unit.map_uv(*cell(4, 4, at)).shift(x, y, -0.42), (p.crates, p.covers)[(shop + row) % 2])
+            site.put(unit.map_uv(*atlas_cell(4, 4, at)).shift(x, y, -0.42), (p.crates, p.covers)[(shop + row) % 2])
             x += 0.46
 
 

@@ -5,7 +5,8 @@ import numpy as np
 from supersampling.scenes.kit.blocks import beam, box, panel, quad
 from supersampling.scenes.kit.builder import Builder
 from supersampling.scenes.kit.motion import rotation
-from supersampling.scenes.kit.shapes import Shape, join, lathe
+from supersampling.scenes.kit.routes import walk
+from supersampling.scenes.kit.shapes import Point, Shape, join, lathe
 from supersampling.scenes.kit.site import Site
 from supersampling.scenes.market import parts, stalls
 from supersampling.scenes.market.houses import House, build
@@ -14,7 +15,6 @@ from supersampling.scenes.market.motion import movers
 from supersampling.scenes.scene import Route, Scene, Sky, Sun
 
 X, Z = 15.0, 10.0  # half the square
-Point = tuple[float, float, float]
 _CREAM, _ROSE, _OCHRE, _GREY = (0.86, 0.78, 0.58), (0.8, 0.5, 0.38), (0.82, 0.6, 0.28), (0.7, 0.72, 0.68)
 _GREEN, _BLUE, _BROWN, _RED = (0.16, 0.32, 0.2), (0.2, 0.34, 0.46), (0.36, 0.22, 0.14), (0.5, 0.14, 0.1)
 NORTH = (
@@ -153,27 +153,26 @@ def _ivy(b: Builder, p: Palette) -> None:
 
 
 def _routes() -> list[Route]:
-    lines: tuple[tuple[str, list[Point], list[Point]], ...] = (
-        (
+    return [
+        walk(
             "middle aisle eastwards",
             [(-9.6, 1.65, -0.2), (6.5, 1.65, 0.1)],
             [(-6.0, 1.7, -5.0), (13.5, 2.4, -3.2)],
         ),
-        ("north shops", [(-9.5, 1.6, -6.9), (9.0, 1.6, -7.0)], [(-5.5, 2.2, -10.0), (14.0, 2.4, -8.2)]),
-        ("books and papers", [(8.8, 1.6, 0.9), (-1.5, 1.6, 0.7)], [(4.8, 1.2, -4.5), (-5.5, 1.3, -4.5)]),
-        ("south stalls", [(-9.2, 1.6, 0.2), (4.5, 1.65, 0.5)], [(-5.0, 1.3, 4.2), (10.5, 1.4, 4.6)]),
-        ("to the column", [(11.0, 1.65, -6.9), (3.4, 1.6, -6.6)], [(4.0, 1.8, -3.2), (-3.5, 1.9, -4.2)]),
-        ("south shops", [(9.5, 1.6, 7.0), (-6.5, 1.6, 7.1)], [(5.0, 1.9, 10.0), (-11.5, 2.0, 9.4)]),
-        ("town hall", [(-4.2, 1.7, 0.4), (9.6, 1.7, -0.4)], [(12.0, 3.6, -2.0), (15.5, 3.8, -1.0)]),
-        ("monument", [(-2.6, 1.65, 1.0), (7.0, 1.6, 1.0)], [(1.0, 1.6, 4.2), (3.0, 1.7, 4.6)]),
-        ("gate side", [(-10.3, 1.65, -2.4), (-9.4, 1.7, 2.9)], [(-4.0, 2.0, -6.5), (-3.6, 2.2, -4.4)]),
-        (
+        walk("north shops", [(-9.5, 1.6, -6.9), (9.0, 1.6, -7.0)], [(-5.5, 2.2, -10.0), (14.0, 2.4, -8.2)]),
+        walk("books and papers", [(8.8, 1.6, 0.9), (-1.5, 1.6, 0.7)], [(4.8, 1.2, -4.5), (-5.5, 1.3, -4.5)]),
+        walk("south stalls", [(-9.2, 1.6, 0.2), (4.5, 1.65, 0.5)], [(-5.0, 1.3, 4.2), (10.5, 1.4, 4.6)]),
+        walk("to the column", [(11.0, 1.65, -6.9), (3.4, 1.6, -6.6)], [(4.0, 1.8, -3.2), (-3.5, 1.9, -4.2)]),
+        walk("south shops", [(9.5, 1.6, 7.0), (-6.5, 1.6, 7.1)], [(5.0, 1.9, 10.0), (-11.5, 2.0, 9.4)]),
+        walk("town hall", [(-4.2, 1.7, 0.4), (9.6, 1.7, -0.4)], [(12.0, 3.6, -2.0), (15.5, 3.8, -1.0)]),
+        walk("monument", [(-2.6, 1.65, 1.0), (7.0, 1.6, 1.0)], [(1.0, 1.6, 4.2), (3.0, 1.7, 4.6)]),
+        walk("gate side", [(-10.3, 1.65, -2.4), (-9.4, 1.7, 2.9)], [(-4.0, 2.0, -6.5), (-3.6, 2.2, -4.4)]),
+        walk(
             "east end",
             [(12.5, 1.65, 6.9), (12.4, 1.65, 3.4), (9.4, 1.6, -0.6)],
             [(9.0, 2.0, 2.0), (4.0, 2.2, -4.0), (2.0, 2.0, -4.6)],
         ),
-    )
-    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
+    ]
 
 
 def market() -> Scene:

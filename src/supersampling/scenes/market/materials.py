@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from supersampling.scenes.atrium.materials import clock_face
 from supersampling.scenes.kit import lettering, textures
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.metal import Maps, brushed
-from supersampling.scenes.kit.textures import picture, surface
+from supersampling.scenes.kit.dials import clock_face
+from supersampling.scenes.kit.metal import brushed
+from supersampling.scenes.kit.textures import Maps, picture, surface
 from supersampling.scenes.market import lettering as market_lettering
 from supersampling.scenes.market import textures as market_textures
 from supersampling.scenes.scene import Material, Texture

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from supersampling.scenes.atrium.materials import cell
 from supersampling.scenes.kit.blocks import beam, box, quad
 from supersampling.scenes.kit.builder import Color
 from supersampling.scenes.kit.motion import rotation
-from supersampling.scenes.kit.shapes import Shape, cylinder, grid, join, lathe, sphere, tube
+from supersampling.scenes.kit.shapes import Shape, atlas_cell, cylinder, grid, join, lathe, sphere, tube
 from supersampling.scenes.kit.site import WHITE, Site
 from supersampling.scenes.market.materials import Palette
 
@@ -38,7 +37,9 @@ def crates(site: Site, p: Palette, at: tuple[float, float], seed: int, high: int
     y = 0.0
     for k in range(high):
         size = (0.46, 0.4, 0.36)[(seed + k) % 3]
-        crate = box((size, size * 0.86, size), (0, size * 0.43, 0), fit=True).map_uv(*cell(4, 4, seed * 5 + 3 * k))
+        crate = box((size, size * 0.86, size), (0, size * 0.43, 0), fit=True).map_uv(
+            *atlas_cell(4, 4, seed * 5 + 3 * k)
+        )
         site.put(crate.turn_y(23 * (seed + k) % 31 - 15).shift(at[0], y, at[1]), p.crates)
         y += size * 0.86
 
@@ -119,7 +120,7 @@ def linden(site: Site, p: Palette, seed: int, height: float = 5.4) -> None:
         card = quad((-size / 2, size / 2, 0), (size, 0, 0), (0, -size, 0)).map_uv(
             (1.1, 1.1), (k * 0.37 % 1, k * 0.61 % 1)
         )
-        card = card.at(
+        card = card.transform(
             rotation((0, 1, 0), np.arctan2(out[0], out[2]) + rng.uniform(-0.7, 0.7))
             @ rotation((1, 0, 0), rng.uniform(-1.2, 0.5))
         )
@@ -158,5 +159,5 @@ def easel(site: Site, p: Palette, material: int, color: Color = WHITE) -> None:
     face = quad((-0.32, 1.02, 0.0), (0.64, 0, 0), (0, -0.92, 0.0))
     for turn in (0, 180):
         lean = rotation((1, 0, 0), -0.22)
-        site.put(face.shift(0, 0, 0.016).at(lean).shift(0, 0, 0.24).turn_y(turn), material, color)
-        site.put(box((0.7, 1.06, 0.03), (0, 0.53, 0)).at(lean).shift(0, 0, 0.24).turn_y(turn), p.wood)
+        site.put(face.shift(0, 0, 0.016).transform(lean).shift(0, 0, 0.24).turn_y(turn), material, color)
+        site.put(box((0.7, 1.06, 0.03), (0, 0.53, 0)).transform(lean).shift(0, 0, 0.24).turn_y(turn), p.wood)

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from supersampling.scenes.atrium.materials import cell
 from supersampling.scenes.kit.blocks import beam, box, quad
 from supersampling.scenes.kit.motion import rotation
-from supersampling.scenes.kit.shapes import Shape, grid, join
+from supersampling.scenes.kit.shapes import Shape, atlas_cell, grid, join
 from supersampling.scenes.kit.site import Site
 from supersampling.scenes.market.houses import canopy
 from supersampling.scenes.market.materials import Palette
@@ -33,7 +32,7 @@ def tray(size: tuple[float, float], seed: int) -> tuple[Shape, Shape]:
 def tag(index: int, scale: float = 1.0) -> tuple[Shape, Shape]:
     """Price tag on a stick that stands on y = 0: card (both sides) and stick."""
     card = box((0.2 * scale, 0.15 * scale, 0.006), (0, 0.24 * scale, 0), ("front", "back"), True)
-    return card.map_uv(*cell(8, 8, index)), beam((0, 0, 0), (0, 0.2 * scale, 0), 0.012)
+    return card.map_uv(*atlas_cell(8, 8, index)), beam((0, 0, 0), (0, 0.2 * scale, 0), 0.012)
 
 
 def _frame(site: Site, p: Palette, canvas: int, width: float) -> None:
@@ -63,8 +62,8 @@ def fruit_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:
         for k in range(5):
             x = (k - 2) * width / 5.2
             wood, heap = tray((0.58, 0.44), k + 3 * row)
-            site.put(wood.at(tilt).shift(x, y, z), p.wood)
-            site.put(heap.at(tilt).shift(x, y, z), p.fruit[(k + row + seed) % 3])
+            site.put(wood.transform(tilt).shift(x, y, z), p.wood)
+            site.put(heap.transform(tilt).shift(x, y, z), p.fruit[(k + row + seed) % 3])
             card, stick = tag(seed * 11 + 5 * row + k)
             site.put(card.shift(x + 0.08, y + 0.22, z - 0.1), p.tags)
             site.put(stick.shift(x + 0.08, y + 0.22, z - 0.1), p.wood)
@@ -73,7 +72,7 @@ def fruit_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:
     hung(site, p, p.slates[seed % 3], (width / 2 - 0.4, 1.9, -0.8), (0.5, 0.75))
     hung(site, p, p.bills[seed % 5], (-width / 2 + 0.5, 1.85, -0.8), (0.75, 0.75))
     for k in range(6):
-        hung(site, p, p.tags, (-1.2 + 0.48 * k, 2.14, 0.93), (0.3, 0.22), cell(8, 8, 17 * seed + 3 * k))
+        hung(site, p, p.tags, (-1.2 + 0.48 * k, 2.14, 0.93), (0.3, 0.22), atlas_cell(8, 8, 17 * seed + 3 * k))
 
 
 def book_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:
@@ -93,7 +92,7 @@ def book_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:
     for row, (y, z) in enumerate(((0.86, 0.62), (0.92, 0.28))):
         for k in range(9):
             at = int(rng.integers(16))
-            site.put(book.map_uv(*cell(4, 4, at)).at(lean).shift((k - 4) * 0.37, y, z), p.covers)
+            site.put(book.map_uv(*atlas_cell(4, 4, at)).transform(lean).shift((k - 4) * 0.37, y, z), p.covers)
             if k % 2 == row:
                 card, stick = tag(seed * 7 + k, 0.7)
                 site.put(join([card]).shift((k - 4) * 0.37 + 0.18, y + 0.02, z + 0.06), p.tags)
@@ -110,13 +109,13 @@ def press_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:
     sheet = quad((-0.26, 0.62, 0), (0.52, 0, 0), (0, -0.62, 0.0))
     lean = rotation((1, 0, 0), -0.65)
     for k in range(6):
-        site.put(sheet.at(lean).shift((k - 2.5) * 0.56, 0.87, 0.7), p.papers[k % 2])
+        site.put(sheet.transform(lean).shift((k - 2.5) * 0.56, 0.87, 0.7), p.papers[k % 2])
         site.put(
             box((0.5, 0.1 + 0.03 * (k % 3), 0.36), ((k - 2.5) * 0.56, 0.91, 0.0), fit=True),
             p.papers[(k + 1) % 2],
         )
         hung(site, p, (p.papers, p.bills)[k % 2][k % 2], ((k - 2.5) * 0.56, 1.66, -0.7), (0.52, 0.6))
         hung(site, p, p.bills[(k + seed) % 5], ((k - 2.5) * 0.56, 1.45, -0.9), (0.52, 0.7), flip=True)
-        hung(site, p, p.tags, ((k - 2.5) * 0.56, 1.24, -0.66), (0.5, 0.16), cell(2, 8, k + seed))
+        hung(site, p, p.tags, ((k - 2.5) * 0.56, 1.24, -0.66), (0.5, 0.16), atlas_cell(2, 8, k + seed))
     for k in range(3):
         hung(site, p, p.papers[k % 2], (-1.1 + 1.1 * k, 0.44, 0.83), (0.7, 0.68))

@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.scenes.kit import textures
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import Field, fractal, normals, picture, ramp, surface
+from supersampling.scenes.kit.textures import Field, Maps, fractal, normals, picture, ramp, surface
 from supersampling.scenes.scene import Texture
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import wood
+from supersampling.scenes.kit.textures import Maps, wood
 from supersampling.scenes.scene import Material
 from supersampling.scenes.sundial import textures as paint
 

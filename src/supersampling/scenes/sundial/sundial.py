@@ -8,10 +8,11 @@ import numpy as np
 
 from supersampling.scenes.kit.blocks import beam, box, panel, quad
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.motion import chain, rotation, spin, sway, translation
-from supersampling.scenes.kit.shapes import cylinder, grid, join
-from supersampling.scenes.kit.site import Site, held
-from supersampling.scenes.scene import Array, PointLight, Route, Scene, Sky, Sun
+from supersampling.scenes.kit.motion import chain, fixed, rotation, spin, sway, translation
+from supersampling.scenes.kit.routes import tripod, walk
+from supersampling.scenes.kit.shapes import Point, cylinder, grid, join
+from supersampling.scenes.kit.site import Site
+from supersampling.scenes.scene import PointLight, Route, Scene, Sky, Sun
 from supersampling.scenes.sundial import parts
 from supersampling.scenes.sundial.materials import Palette
 
@@ -21,7 +22,6 @@ CHAMBER, APOTHEM, CEILING = (-22.0, 0.0), 4.8, 6.6
 LAMP = (CHAMBER[0], 5.0, CHAMBER[1])
 RELIEF = 0.05  # what a moulding may stand out from its wall, metres
 SUN = (0.42, 0.76, 0.5)
-Point = tuple[float, float, float]
 
 
 def _wall(site: Site, p: Palette, width: float, bays: int, door: int) -> None:
@@ -122,11 +122,11 @@ def _movers(b: Builder, p: Palette) -> None:
         place = translation(at) @ turn
         b.move(
             [(laths, p.wood), (canvas, p.lime)],
-            chain(held(place), spin((0, 0, 0), (0, 0, 1), hertz, 0.6 * k)),
+            chain(fixed(place), spin((0, 0, 0), (0, 0, 1), hertz, 0.6 * k)),
         )
     b.move([(parts.slatted_wheel(3.1), p.wood)], spin((6.6, 11.0, 6.7), (0, 1, 0), 0.045))
     level = translation((1.6, 11.0, 5.7)) @ rotation((0, 1, 0), np.radians(34))
-    b.move([(parts.lattice_drum(1.7, 6.2), p.wood)], chain(held(level), spin((0, 0, 0), (1, 0, 0), 0.05)))
+    b.move([(parts.lattice_drum(1.7, 6.2), p.wood)], chain(fixed(level), spin((0, 0, 0), (1, 0, 0), 0.05)))
     cloth = parts.banner(1.5, 2.3)
     for k in range(5):
         b.move(
@@ -135,25 +135,6 @@ def _movers(b: Builder, p: Palette) -> None:
         )
     b.move([(parts.pierced_shade(0.46, 0.72), p.lime)], spin(LAMP, (0, 1, 0), 0.03))
     b.move([(parts.star_plate(0.42), p.lime)], spin((LAMP[0], LAMP[1] - 0.38, LAMP[2]), (0, 1, 0), -0.05))
-
-
-def _standing(name: str, eye: Point, focus: Point) -> Route:
-    """A camera on a tripod."""
-    forward = np.subtract(focus, eye)
-    back = -forward / np.linalg.norm(forward)
-    right = np.cross((0.0, 1.0, 0.0), back)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4, dtype=np.float32)
-    pose[:3, :] = np.stack([right, np.cross(back, right), back, eye], 1)
-
-    def recorded(_: float) -> Array:
-        return pose
-
-    return Route(name, np.array([eye, eye], np.float32), None, recorded)
-
-
-def _walking(name: str, eyes: list[Point], focus: list[Point]) -> Route:
-    return Route(name, np.array(eyes, np.float32), np.array(focus, np.float32))
 
 
 def _in_chamber(degrees: float, radius: float, y: float) -> Point:
@@ -167,29 +148,29 @@ def _routes() -> list[Route]:
 
     def chamber_walk(name: str, start: float) -> Route:
         eyes = [_in_chamber(start + a, 3.5, 1.65) for a in (0, 30, 60, 90)]
-        return _walking(name, eyes, [_in_chamber(start + 180 + a, 4.5, 0.9) for a in (-10, 30, 70, 110)])
+        return walk(name, eyes, [_in_chamber(start + 180 + a, 4.5, 0.9) for a in (-10, 30, 70, 110)])
 
     return [
-        _walking("north wall", [(-5.5, 1.65, 4.4), (2.6, 1.6, 4.6)], [(-3.0, 1.2, -7.0), (2.6, 1.2, -7.0)]),
-        _walking(
+        walk("north wall", [(-5.5, 1.65, 4.4), (2.6, 1.6, 4.6)], [(-3.0, 1.2, -7.0), (2.6, 1.2, -7.0)]),
+        walk(
             "towards the north-west",
             [(5.6, 1.65, 3.4), (0.4, 1.65, 2.6)],
             [(-4.0, 0.9, -6.0), (-8.0, 0.9, -5.0)],
         ),
-        _standing("tripod before the dial", (0.6, 1.6, 5.6), (-1.2, 0.8, -5.0)),
-        _walking("west wall", [(4.6, 1.65, -4.4), (4.2, 1.6, 2.4)], [(-8.0, 1.0, -2.4), (-8.0, 1.0, 0.6)]),
+        tripod("tripod before the dial", (0.6, 1.6, 5.6), (-1.2, 0.8, -5.0)),
+        walk("west wall", [(4.6, 1.65, -4.4), (4.2, 1.6, 2.4)], [(-8.0, 1.0, -2.4), (-8.0, 1.0, 0.6)]),
         chamber_walk("round the lamp", 20.0),
-        _standing("tripod in the chamber", _in_chamber(-30, 4.1, 1.5), _in_chamber(160, 4.8, 1.1)),
-        _walking(
+        tripod("tripod in the chamber", _in_chamber(-30, 4.1, 1.5), _in_chamber(160, 4.8, 1.1)),
+        walk(
             "along the west wall",
             [(-4.6, 1.6, 5.2), (-4.9, 1.6, -0.6)],
             [(-6.4, 1.0, -4.0), (-5.4, 0.9, -7.0)],
         ),
-        _standing("tripod towards the west wall", (5.4, 1.6, 1.8), (-5.6, 0.9, -1.6)),
-        _standing("tripod by the chamber's wall", _in_chamber(100, 4.2, 1.55), _in_chamber(-95, 4.8, 0.9)),
+        tripod("tripod towards the west wall", (5.4, 1.6, 1.8), (-5.6, 0.9, -1.6)),
+        tripod("tripod by the chamber's wall", _in_chamber(100, 4.2, 1.55), _in_chamber(-95, 4.8, 0.9)),
         chamber_walk("round the lamp, far side", 140.0),
-        _standing("tripod over the floor", (-6.6, 2.1, 4.4), (-1.0, -0.4, -4.0)),
-        _walking(
+        tripod("tripod over the floor", (-6.6, 2.1, 4.4), (-1.0, -0.4, -4.0)),
+        walk(
             "over the dial's lines",
             [(-1.4, 1.7, 5.4), (3.9, 1.7, 4.9)],
             [(-4.6, 0.6, -4.0), (1.0, 0.7, -6.0)],

@@ -3,8 +3,7 @@
 import numpy as np
 
 from supersampling.scenes.kit import textures
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import Field, fractal, normals, picture, ramp, surface
+from supersampling.scenes.kit.textures import Field, Maps, fractal, normals, picture, ramp, surface
 
 _LIME = np.array([0.93, 0.91, 0.86])
 _SIENNA, _OCHRE = np.array([0.62, 0.29, 0.19]), np.array([0.8, 0.58, 0.28])

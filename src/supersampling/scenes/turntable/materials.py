@@ -8,8 +8,8 @@ from scipy.ndimage import gaussian_filter
 
 from supersampling.scenes.kit import lettering, metal, textures
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import Field
+from supersampling.scenes.kit.dials import gauge
+from supersampling.scenes.kit.textures import Field, Maps
 from supersampling.scenes.scene import Material
 
 BANDS = ("* THE WHEEL TURNS AND THE EYE STANDS STILL *", "* WHAT WAS HIDDEN COMES ROUND AGAIN *")
@@ -146,7 +146,7 @@ class Materials:
         posters = (("GUILLOCHE", (28, 52, 70), (236, 222, 180)), ("TURNED WORK", (226, 208, 166), (130, 34, 28)),
                    ("ROSE ENGINE", (60, 84, 62), (240, 228, 196)), ("PATTERN NO 9", (190, 150, 70), (30, 26, 26)))  # fmt: skip
         self.posters = [self._flat(t, lettering.poster(k, b, f, t), 0.8) for k, (t, b, f) in enumerate(posters)]
-        self.gauges = [self._flat(u, lettering.gauge(k, u), 0.5) for k, u in enumerate(("rpm", "mm"))]
+        self.gauges = [self._flat(u, gauge(k, u), 0.5) for k, u in enumerate(("rpm", "mm"))]
         self.plan = self._flat("work plan", lettering.notice(6, "WORK PLAN", (212, 222, 226), (26, 44, 90)), 0.9)
         soft = np.full((8, 8, 3), 235, np.uint8)
         self.lamp = builder.material(Material("soft box", soft, roughness=0.9, emission=(3.2, 3.0, 2.6)))

@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from supersampling.scenes.atrium.parts import hoop
-from supersampling.scenes.foundry.parts import disc, gear, ring, turned
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad, sphere, tube
+from supersampling.scenes.kit.wheels import disc, gear, hoop, ring
 from supersampling.scenes.turntable.materials import Materials
 
-Part = tuple[Shape, int]
 RADIUS = 0.82  # of the turntable
 TOP = 1.86  # height of the machine
 
@@ -91,7 +90,7 @@ def _handles(m: Materials) -> list[Part]:
         1,
     )
     rod = tube(np.concatenate([arm, curl]), 0.017, 8)
-    leaves = [sphere(0.04, 10).at(rotation((0, 0, 1), a)).shift(*curl[k]) for k, a in ((8, 0.3), (24, 1.2))]
+    leaves = [sphere(0.04, 10).transform(rotation((0, 0, 1), a)).shift(*curl[k]) for k, a in ((8, 0.3), (24, 1.2))]
     ball = sphere(0.03, 14).shift(*curl[-1])
     stay = beam((0.37, 0.74, 0), (0.5, 0.74, 0), 0.02)
     return [(_around(join([rod, *leaves, ball, stay]), 4, 45), m.bronze)]
@@ -120,8 +119,8 @@ def _sphere(m: Materials) -> list[Part]:
     """Armillary rings about an engraved globe, and planets on long arms."""
     centre = (0.0, 1.54, 0.0)
     rings = [hoop(0.31, 0.018, 0.03), hoop(0.28, 0.014, 0.05).turn_y(90), hoop(0.25, 0.012, 0.03).turn_y(40)]
-    rings.append(turned(hoop(0.295, 0.014, 0.06), (1, 0, 0), 90))
-    rings.append(turned(hoop(0.27, 0.012, 0.045), (1, 0, 0.3), 66))
+    rings.append(hoop(0.295, 0.014, 0.06).turn((1, 0, 0), 90))
+    rings.append(hoop(0.27, 0.012, 0.045).turn((1, 0, 0.3), 66))
     cage = join([*rings, beam((-0.05, -0.3, 0), (0.05, 0.34, 0), 0.014)]).shift(*centre)
     globe = sphere(0.13, 48).shift(*centre)
     spire = lathe([(0.0, 0.06), (0.012, 0.04), (0.02, 0.02), (0.01, 0.0)], 16).shift(0, TOP, 0)
@@ -142,7 +141,7 @@ def _sphere(m: Materials) -> list[Part]:
             )
         )
         balls.append(sphere(0.03 + 0.008 * (k % 3), 20).shift(*tip))
-        halo = turned(ring(0.055, 0.008, 0.006, 28), (1, 0, 0), 70).shift(*tip)
+        halo = ring(0.055, 0.008, 0.006, 28).turn((1, 0, 0), 70).shift(*tip)
         arms.append(halo)
     stem = lathe([(0.03, 1.3), (0.045, 1.27), (0.045, 1.24), (0.07, 1.2)], 24)
     return [
