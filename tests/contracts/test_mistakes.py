@@ -64,7 +64,7 @@ def test_a_broken_file(content, part, own, tmp_path):
 @pytest.mark.parametrize(
     ("override", "part"),
     [
-        ("scene=atrum", "There is no scene atrum"),
+        ("scene=atrum", "Unknown scene atrum"),
         ("scene=stk/no_such_track", "no_such_track"),
         ("scene=stk/../../etc", ".."),
         ("splits=[dev]", "dev"),

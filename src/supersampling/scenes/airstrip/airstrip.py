@@ -1,4 +1,4 @@
-"""The built-in scene ``airstrip``: racing planes, lorries and drones go round an infield, fast, before painted walls."""
+"""The built-in scene ``airstrip``: planes, lorries and drones race round an infield before painted walls."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ LORRY_SPEED, DRONE_SPEED, TAXI_SPEED, RACER_SPEED, HIGH_SPEED = 12.0, -15.0, 3.5
 
 
 def _fly(b: Builder, p: Paints, course: Course, speed: float, start: float, look: int, bank: float) -> None:
-    """One plane with its turning propeller; ``look`` picks livery and kind."""
+    """Add one plane with its turning propeller; ``look`` selects the livery and the kind."""
     ride = course.ride(speed, start, bank)
     body = vehicles.plane(p.liveries[look % 4], p.iron, p.glass, biplane=look % 2 == 1)
     b.move(body, ride)
@@ -38,7 +38,7 @@ def _planes(b: Builder, p: Paints) -> None:
 
 
 def _lorries(b: Builder, p: Paints) -> None:
-    """Four lorries: tanks and crates in turn; their axles roll."""
+    """Add four lorries: tanks and crates in turn; their axles roll."""
     course = lane(17.6, 9.0, 0.0, 0.0)
     boxes = [crate(0.8, 2 + 3 * k).shift(-1.75 + 0.85 * (k % 3), 1.25, -0.45 + 0.9 * (k // 3)) for k in range(6)]
     boxes += [crate(0.7, 7 + k).turn_y(9 * k).shift(-1.4 + 0.9 * k, 2.0, -0.3 + 0.4 * k) for k in range(2)]
@@ -64,7 +64,7 @@ def _drones(b: Builder, p: Paints) -> None:
 
 
 def _windsock(b: Builder, p: Paints) -> None:
-    """Striped sleeve on the mast that swings in the wind."""
+    """Add a striped sleeve on the mast that swings in the wind."""
     sleeve = lathe([(0.4, 0.0), (0.36, -0.9), (0.22, -2.3)], 20)
     inner = lathe([(0.2, -2.3), (0.35, -0.9), (0.39, 0.0)], 20)
     cone = join([sleeve, inner]).transform(rotation((0, 0, 1), np.radians(78))).map_uv((1.0, 0.45))
@@ -89,7 +89,10 @@ def _routes() -> list[Route]:
 
 
 def airstrip() -> Scene:
-    """A race day on a small airfield: planes at 31 and 38 m/s, drones and lorries circle the camera in both directions."""
+    """Build a race day on a small airfield.
+
+    Planes at 31 and 38 m/s, drones and lorries circle the camera in both directions.
+    """
     b = Builder()
     p = Paints(b)
     for part in (field, _planes, _lorries, _drones, _windsock):

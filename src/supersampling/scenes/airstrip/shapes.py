@@ -1,4 +1,4 @@
-"""Smooth skins for the airstrip: fuselages, wings and their like. Metres; uv as said by each function."""
+"""Smooth skins for the airstrip: fuselages, wings and their like. Metres; each function describes its uv."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,10 +9,11 @@ from supersampling.scenes.kit.skins import skin
 
 
 def hull(stations: ArrayLike, rows: int = 13) -> Shape:
-    """Body along x of elliptic sections ``stations (S, 4)``: x ascending, middle's y, half height, half width (all > 0).
+    """Return a body along x of elliptic sections ``stations (S, 4)``.
 
-    uv run from 0 to 1 along the body and from top to bottom, v in the upper half for the right side (+z) and in the lower
-    half for the left one; u runs to the right as seen from outside, so that lettering can be read on both.
+    A station is x (ascending), the middle's y, half height and half width (both positive).
+    uv run from 0 to 1 along the body and from top to bottom, v in the upper half for the right side (+z) and in the
+    lower half for the left one; u runs to the right as seen from outside, so that lettering can be read on both.
     """
     s = np.asarray(stations, float)
     angle = np.linspace(0, np.pi, rows)[:, None]
@@ -30,7 +31,10 @@ def hull(stations: ArrayLike, rows: int = 13) -> Shape:
 
 
 def wing(ribs: ArrayLike, rows: int = 9) -> Shape:
-    """Wing across ``ribs (N, 5)``: z ascending, y, leading edge's x, chord, thickness (> 0). uv from 0 to 1, v aft."""
+    """Return a wing across ``ribs (N, 5)``: z ascending, y, leading edge's x, chord, thickness (positive).
+
+    uv run from 0 to 1, v aft.
+    """
     ribs = np.asarray(ribs, float)
     share = (0.5 - 0.5 * np.cos(np.linspace(0, np.pi, rows)))[:, None]
     profile = 2.6 * (np.sqrt(share) - share) * 0.5 + 0.02 * (1 - share)
@@ -46,12 +50,12 @@ def wing(ribs: ArrayLike, rows: int = 9) -> Shape:
 
 
 def upright(shape: Shape) -> Shape:
-    """A wing turned to stand: its span, +z, goes up."""
+    """Turn a wing so that it stands: its span, +z, goes up."""
     return shape.transform(rotation((1, 0, 0), -np.pi / 2))
 
 
 def propeller(radius: float, blades: int) -> Shape:
-    """Blades about the x axis, thinner and flatter towards their tips, and a spinner that looks along +x."""
+    """Return blades about the x axis, thinner and flatter towards their tips, and a spinner that looks along +x."""
     share = np.linspace(0, 1, 6)
     parts = [lathe([(0.0, 0.34), (0.07, 0.3), (0.13, 0.18), (0.16, 0.0), (0.0, -0.02)], 20)]
     parts = [parts[0].transform(rotation((0, 0, 1), -np.pi / 2))]
@@ -72,7 +76,7 @@ def propeller(radius: float, blades: int) -> Shape:
 
 
 def ring_band(outer: Floats, inner: Floats, y: float = 0.0) -> Shape:
-    """Flat ring on the ground between two closed outlines ``(N, 2)`` of (x, z) that run from +x towards -z."""
+    """Return a flat ring on the ground between two closed outlines ``(N, 2)`` of (x, z) that run from +x towards -z."""
     lines = np.stack([outer, inner])
     lines = np.concatenate([lines, lines[:, :1]], axis=1)
     points = np.stack([lines[..., 0], np.full(lines.shape[:2], y), lines[..., 1]], -1)
@@ -81,7 +85,7 @@ def ring_band(outer: Floats, inner: Floats, y: float = 0.0) -> Shape:
 
 
 def wheel(radius: float, width: float) -> Shape:
-    """Tyre and hub about the z axis."""
+    """Return a tyre and hub about the z axis."""
     half = width / 2
     tyre = [(0.0, half * 0.7), (0.5, half * 0.7), (0.55, half), (0.9, half), (1.0, half * 0.6)]
     tyre += [(1.0, -half * 0.6), (0.9, -half), (0.55, -half), (0.5, -half * 0.7), (0.0, -half * 0.7)]

@@ -1,4 +1,4 @@
-"""What moves in the atrium: banners, the armillary sphere, kiosks, the cart, a lantern and the clocks' hands."""
+"""Moving parts of the atrium: banners, the armillary sphere, kiosks, the cart, a lantern and the clocks' hands."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ CART_HERTZ = 0.04
 
 
 def movers(b: Builder, p: Palette) -> None:
-    """Adds all moving objects."""
+    """Add all moving objects."""
     _banners(b, p)
     _sphere(b, p)
     _kiosks(b, p)
@@ -27,7 +27,7 @@ def movers(b: Builder, p: Palette) -> None:
 
 
 def _banners(b: Builder, p: Palette) -> None:
-    """Cloths on the cables across the court, printed on both sides."""
+    """Add cloths on the cables across the court, printed on both sides."""
     front = quad((-0.35, -0.03, 0.008), (0.7, 0, 0), (0, -2.1, 0), (4, 1))
     cloth = join([front, front.turn_y(180)])
     bars = join([box((0.78, 0.05, 0.05), (0, -0.03, 0)), box((0.74, 0.04, 0.04), (0, -2.13, 0))])
@@ -38,7 +38,7 @@ def _banners(b: Builder, p: Palette) -> None:
 
 
 def _sphere(b: Builder, p: Palette) -> None:
-    """Armillary sphere: an outer cage that turns, and rings and a globe that turn inside it."""
+    """Add an armillary sphere: an outer cage that turns, and rings and a globe that turn inside it."""
     meridian, inner = hoop(0.85, 0.05, 0.08), hoop(0.66, 0.04, 0.06)
     flat = rotation((1, 0, 0), np.pi / 2)
     outer = join([meridian, meridian.turn_y(90), meridian.transform(flat)])
@@ -49,7 +49,7 @@ def _sphere(b: Builder, p: Palette) -> None:
 
 
 def _kiosks(b: Builder, p: Palette) -> None:
-    """Turning round pillars pasted with four sheets each."""
+    """Add round pillars that turn, pasted with four sheets each."""
     cap = join([lathe([(0.05, 2.75), (0.12, 2.7), (0.5, 2.5), (0.6, 2.48), (0.6, 2.4), (0.0, 2.4)], 24)])
     foot = lathe([(0.52, 0.5), (0.52, 0.28)], 32)
     for k, x in enumerate((-5.8, 5.8)):
@@ -62,7 +62,7 @@ def _kiosks(b: Builder, p: Palette) -> None:
 
 
 def _arc(radius: float, start: float, height: float = 0.95) -> Shape:
-    """A quarter of a cylinder with uv from 0 to 1."""
+    """Return a quarter of a cylinder with uv from 0 to 1."""
     u = np.linspace(0, 1, 13)
     angle = start + u * np.pi / 2
     ring = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], 1)
@@ -72,7 +72,7 @@ def _arc(radius: float, start: float, height: float = 0.95) -> Shape:
 
 
 def _cart(b: Builder, p: Palette) -> None:
-    """Book cart on rails; its wheels roll."""
+    """Add a book cart on rails; its wheels roll."""
     ends = (-TRACK, WHEEL + 0.02, 2.9), (TRACK, WHEEL + 0.02, 2.9)
     wood, books = bookcase(np.random.default_rng(3), 1.2, 2)
     body = [
@@ -92,10 +92,10 @@ def _cart(b: Builder, p: Palette) -> None:
 
 
 def _clocks(b: Builder, p: Palette) -> None:
-    """Two hands on the clocks of both end walls."""
+    """Add two hands on the clocks of both end walls."""
     for side in (-1, 1):
         for length, width, hertz, out in ((0.62, 0.05, 0.12, 0.03), (0.42, 0.08, 0.01, 0.015)):
             hand = box((width, length, 0.012), (0, length / 2 - 0.08, out))
             knob = cylinder(0.05, 0.03, 12).transform(rotation((1, 0, 0), np.pi / 2)).shift(0, 0, out)
-            moved = join([hand, knob]).turn_y(-90 * side)
-            b.move([(moved, p.iron)], spin((side * 10.9, 3.9, 0), (-side, 0, 0), -hertz))
+            shape = join([hand, knob]).turn_y(-90 * side)
+            b.move([(shape, p.iron)], spin((side * 10.9, 3.9, 0), (-side, 0, 0), -hertz))

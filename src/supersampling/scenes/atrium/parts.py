@@ -15,10 +15,18 @@ GIRTH = 2 * np.pi * sum(radius for radius, _ in _SHAFT) / len(_SHAFT)  # what a 
 
 
 def column() -> tuple[Shape, Shape, Shape]:
-    """Fluted shaft; mouldings; square plinth and abacus."""
+    """Return the fluted shaft, the mouldings, and the square plinth and abacus."""
     bulge = [(0.35 + 0.09 * np.sin(a), 0.36 + 0.07 * np.cos(a)) for a in np.linspace(0.2, np.pi - 0.2, 6)]
-    bell = [(0.4, SPRING - 0.14), (0.4, SPRING - 0.2), (0.37, SPRING - 0.27), (0.3, SPRING - 0.36), (0.27, SPRING - 0.42),
-            (0.31, SPRING - 0.44), (0.31, SPRING - 0.48), (0.265, SPRING - 0.5)]  # fmt: skip
+    bell = [
+        (0.4, SPRING - 0.14),
+        (0.4, SPRING - 0.2),
+        (0.37, SPRING - 0.27),
+        (0.3, SPRING - 0.36),
+        (0.27, SPRING - 0.42),
+        (0.31, SPRING - 0.44),
+        (0.31, SPRING - 0.48),
+        (0.265, SPRING - 0.5),
+    ]
     shaft = lathe(_SHAFT, 100, FLUTES, 0.12)
     rings = [lathe(bell, 32), lathe([(0.33, 0.46), *bulge, (0.42, 0.28), (0.42, 0.2)], 32)]
     leaves = [
@@ -34,7 +42,7 @@ def column() -> tuple[Shape, Shape, Shape]:
 
 
 def arch(height: float) -> tuple[Shape, Shape]:
-    """Spandrel wall of one bay up to ``height`` above the springing, and the moulded ring of voussoirs."""
+    """Return a spandrel wall of one bay up to ``height`` above the springing, and the moulded ring of voussoirs."""
     half, radius = BAY / 2, 1.03
     angle = np.linspace(0, np.pi, 25)
     inner = np.stack([radius * np.cos(angle), radius * np.sin(angle)], 1)
@@ -52,7 +60,7 @@ def arch(height: float) -> tuple[Shape, Shape]:
 
 
 def railing(width: float, height: float = 1.0) -> Shape:
-    """Iron railing with rings between its balusters."""
+    """Return an iron railing with rings between its balusters."""
     count = int(width / 0.12)
     xs = np.linspace(-width / 2, width / 2, count + 1)
     bars = [beam((x, 0, 0), (x, height, 0), 0.018) for x in xs]
@@ -72,7 +80,7 @@ def railing(width: float, height: float = 1.0) -> Shape:
 
 
 def screen(width: float, height: float) -> tuple[Shape, Shape]:
-    """Lattice panel (uv in metres) and the wooden frame that holds it."""
+    """Return a lattice panel (uv in metres) and the wooden frame that holds it."""
     panel = quad((-width / 2, height, 0), (width, 0, 0), (0, 0.15 - height, 0)).map_uv((width, height))
     posts = [box((0.09, height + 0.12, 0.09), (x, height / 2 + 0.06, 0)) for x in (-width / 2, 0, width / 2)]
     rails = [box((width, 0.08, 0.07), (0, y, 0)) for y in (0.12, height)]
@@ -80,7 +88,7 @@ def screen(width: float, height: float) -> tuple[Shape, Shape]:
 
 
 def plant(rng: np.random.Generator, height: float = 1.1) -> tuple[Shape, Shape, Shape]:
-    """Pot, soil with stems, and cards of foliage."""
+    """Return a pot, soil with stems, and cards of foliage."""
     pot = lathe([(0.24, 0.5), (0.32, 0.5), (0.33, 0.44), (0.29, 0.42), (0.3, 0.25), (0.2, 0.04), (0.22, 0.0)], 24)
     soil = [lathe([(0, 0.47), (0.27, 0.46)], 16)]
     cards = []
@@ -98,7 +106,7 @@ def plant(rng: np.random.Generator, height: float = 1.1) -> tuple[Shape, Shape, 
 
 
 def bench() -> tuple[Shape, Shape]:
-    """Stone feet and slats."""
+    """Return stone feet and slats."""
     feet = join([box((0.14, 0.42, 0.46), (x, 0.21, 0)) for x in (-0.8, 0.8)])
     slats = [box((2.0, 0.04, 0.09), (0, 0.44, z)) for z in (-0.2, -0.1, 0.0, 0.1, 0.2)]
     slats += [box((2.0, 0.09, 0.03), (0, y, -0.24)) for y in (0.6, 0.72, 0.84)]
@@ -107,7 +115,7 @@ def bench() -> tuple[Shape, Shape]:
 
 
 def lantern() -> tuple[Shape, Shape]:
-    """Iron cage of a lantern that hangs from the origin by ``1 m`` of chain, and its glass."""
+    """Return the iron cage of a lantern that hangs from the origin by ``1 m`` of chain, and its glass."""
     cage = [beam((x, -1.42, z), (x, -1.0, z), 0.025) for x in (-0.13, 0.13) for z in (-0.13, 0.13)]
     cage += [box((0.32, 0.04, 0.32), (0, y, 0)) for y in (-1.0, -1.42)]
     cage += [lathe([(0.02, -0.82), (0.2, -0.98)], 8), cylinder(0.012, 0.84, 6).shift(0, -0.42, 0)]
@@ -116,7 +124,7 @@ def lantern() -> tuple[Shape, Shape]:
 
 
 def sagging(a: Sequence[float], b: Sequence[float], sag: float) -> Floats:
-    """Points of a cable from ``a`` to ``b`` that hangs through by ``sag``."""
+    """Return the points of a cable from ``a`` to ``b`` that sags by ``sag``."""
     t = np.linspace(0, 1, 17)[:, None]
     line = (1 - t) * np.asarray(a, float) + t * np.asarray(b, float)
     line[:, 1] -= (4 * sag * t * (1 - t))[:, 0]

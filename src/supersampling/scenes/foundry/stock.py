@@ -60,7 +60,7 @@ def _gauges(builder: Builder) -> tuple[int, ...]:
 
 
 def stock(builder: Builder) -> Stock:
-    """Adds the foundry's materials."""
+    """Add the foundry's materials."""
     green = [(0.1, 0.22, 0.17), (0.2, 0.42, 0.32), (0.38, 0.58, 0.46)]
     red = [(0.3, 0.07, 0.05), (0.56, 0.15, 0.1), (0.72, 0.3, 0.2)]
     yellow = [(0.55, 0.36, 0.04), (0.82, 0.6, 0.1), (0.95, 0.8, 0.3)]

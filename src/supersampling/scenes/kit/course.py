@@ -13,7 +13,7 @@ GRAVITY = 9.81
 
 
 class Course:
-    """A smooth closed curve through ``points (N, 3)``, walked by arc length; ``length`` in metres."""
+    """Smooth closed curve through ``points (N, 3)``, parametrised by arc length; ``length`` in metres."""
 
     def __init__(self, points: ArrayLike) -> None:
         curve = _closed(np.asarray(points, float), None)
@@ -25,30 +25,30 @@ class Course:
         self._curve, self.length = curve, float(curve.x[-1])
 
     def ride(self, speed: float, start: float, bank: float = 0.0) -> Transform:
-        """Nose (+x) along the way at ``speed`` (m/s; negative runs against the curve), ``start`` a share of a lap.
+        """Return a ride at ``speed`` (m/s; negative runs against the curve) with the nose (+x) along the way.
 
-        ``bank`` is the steepest bank in radians; 0 keeps wheels on the ground.
+        ``start`` is a share of a lap. ``bank`` is the steepest bank in radians; 0 keeps wheels on the ground.
         """
         sense = float(np.sign(speed))
 
         @lru_cache(maxsize=1024)  # all parts of a vehicle ask for the same moments
-        def at(seconds: float) -> Array:
-            where = (start * self.length + speed * seconds) % self.length
+        def pose(seconds: float) -> Array:
+            distance = (start * self.length + speed * seconds) % self.length
             matrix = np.eye(4)
-            forward = sense * self._curve(where, 1)
+            forward = sense * self._curve(distance, 1)
             forward /= np.linalg.norm(forward)
             right = np.cross(forward, (0.0, 1.0, 0.0))
             right /= np.linalg.norm(right)
             up = np.cross(right, forward)
             if bank:
-                pull = speed**2 * float(self._curve(where, 2) @ right) / GRAVITY
+                pull = speed**2 * float(self._curve(distance, 2) @ right) / GRAVITY
                 roll = bank * np.tanh(pull / 3.0)
                 right, up = np.cos(roll) * right - np.sin(roll) * up, np.cos(roll) * up + np.sin(roll) * right
             matrix[:3, :3] = np.stack([forward, up, right], 1)
-            matrix[:3, 3] = self._curve(where)
+            matrix[:3, 3] = self._curve(distance)
             return matrix.astype(np.float32)
 
-        return at
+        return pose
 
 
 def _closed(points: Floats, length: float | None) -> CubicSpline:

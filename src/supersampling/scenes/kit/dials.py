@@ -8,7 +8,7 @@ from supersampling.scenes.scene import Texture
 
 
 def gauge(seed: int, unit: str, size: int = 256) -> Texture:
-    """Dial: fine ticks over 270 degrees, numbers, a red sector."""
+    """Draw a dial: fine ticks over 270 degrees, numbers, a red sector."""
     image = Image.new("RGB", (4 * size, 4 * size), (236, 232, 218))
     draw, s, c = ImageDraw.Draw(image), 4 * size, 2 * size
     draw.ellipse((4, 4, s - 4, s - 4), outline=(30, 30, 30), width=s // 30)
@@ -36,7 +36,7 @@ def gauge(seed: int, unit: str, size: int = 256) -> Texture:
 
 
 def clock_face(size: int = 512) -> Texture:
-    """Clock dial with sixty ticks and twelve numbers."""
+    """Draw a clock dial with sixty ticks and twelve numbers."""
     image = Image.new("RGB", (size, size), (238, 230, 208))
     draw, c = ImageDraw.Draw(image), size / 2
     for minute in range(60):

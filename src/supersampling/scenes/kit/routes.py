@@ -17,7 +17,10 @@ def walk(name: str, eyes: Line, focus: Line) -> Route:
 
 
 def tripod(name: str, eye: Point, focus: Point, fov: float = 1.05) -> Route:
-    """Return the route of a camera that stands at ``eye`` and looks at ``focus``, metres; ``fov`` is vertical, radians."""
+    """Return the route of a camera that stands at ``eye`` and looks at ``focus`` (metres).
+
+    ``fov`` is vertical, in radians.
+    """
     back = np.subtract(eye, focus)
     back /= np.linalg.norm(back)
     right = np.cross((0.0, 1.0, 0.0), back)

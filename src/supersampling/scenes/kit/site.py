@@ -1,4 +1,4 @@
-"""Where a part made in its own frame goes: turned about y, then moved on the ground."""
+"""Places for parts in frames of their own: turned about y, then moved on the ground."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ WHITE: Color = (1.0, 1.0, 1.0)
 
 @dataclass(frozen=True)
 class Site:
-    """Puts shapes of a local frame into the builder; ``turn`` in degrees, ``x`` and ``z`` in metres."""
+    """Local frame from which shapes are put into the builder; ``turn`` in degrees, ``x`` and ``z`` in metres."""
 
     builder: Builder
     turn: float

@@ -7,23 +7,23 @@ from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Floats, Shape, beam, box, cylinder, grid, join, plate
 
 
-def disc(radius: float, depth: float, at: ArrayLike, axis: str = "z", segments: int = 24) -> Shape:
-    """Cylinder of which ``axis`` is the axis, at a centre."""
+def disc(radius: float, depth: float, centre: ArrayLike, axis: str = "z", segments: int = 24) -> Shape:
+    """Return a cylinder about ``axis``, its middle at ``centre``."""
     shape = cylinder(radius, depth, segments)
     if axis != "y":
         shape = shape.turn((1, 0, 0) if axis == "z" else (0, 0, -1), 90)
-    return shape.shift(*np.asarray(at, float))
+    return shape.shift(*np.asarray(centre, float))
 
 
 def ring(radius: float, thick: float, depth: float, segments: int = 48) -> Shape:
-    """Flat ring about the z axis."""
+    """Return a flat ring about the z axis."""
     angle = np.linspace(0, 2 * np.pi, segments, endpoint=False)
     around = np.stack([np.cos(angle), np.sin(angle)], 1)
     return plate(around * (radius + thick), around * radius, depth, True)
 
 
 def hoop(radius: float, thick: float, wide: float) -> Shape:
-    """Flat ring about z, with a graduation on its outside every six degrees."""
+    """Return a flat ring about z, with a graduation on its outside every six degrees."""
     circle = np.linspace(0, 2 * np.pi, 61)[:-1]
     mark = box((0.012, 0.012, wide + 0.01), (radius + 0.004, 0, 0))
     return join([_ring(radius, thick, wide), *(mark.transform(rotation((0, 0, 1), a)) for a in circle)])
@@ -36,7 +36,7 @@ def _ring(radius: float, thick: float, wide: float) -> Shape:
 
 
 def wheel(radius: float) -> tuple[Shape, Shape]:
-    """Tyre with spokes about z; hub."""
+    """Return the tyre with spokes about z, and the hub."""
     spokes = [beam((0, 0, 0), (radius * np.cos(a), radius * np.sin(a), 0), 0.025) for a in np.arange(10) * np.pi / 5]
     return join([_ring(radius, 0.04, 0.06), *spokes]), cylinder(0.05, 0.12, 10).transform(
         rotation((1, 0, 0), np.pi / 2)
@@ -44,7 +44,7 @@ def wheel(radius: float) -> tuple[Shape, Shape]:
 
 
 def gear(teeth: int, module: float, depth: float, spokes: int = 5) -> Shape:
-    """Spur wheel about the z axis, its pitch radius ``module * teeth / 2``; a tooth points along +x."""
+    """Return a spur wheel about the z axis, its pitch radius ``module * teeth / 2``; a tooth points along +x."""
     radius = module * teeth / 2
     root, tip, rim = radius - 1.2 * module, radius + 0.9 * module, radius - 2.6 * module
     share = np.array([-0.5, -0.3, -0.28, -0.22, -0.13, 0.13, 0.22, 0.28, 0.3])
@@ -67,7 +67,7 @@ def gear(teeth: int, module: float, depth: float, spokes: int = 5) -> Shape:
 
 
 def _rim(outer: Floats, inner: Floats, depth: float) -> list[Shape]:
-    """The closed `plate` between two outlines of many points, without a loop over them."""
+    """Return the closed `plate` between two outlines of many points, without a loop over the points."""
     a, b = np.concatenate([outer, outer[:1]]), np.concatenate([inner, inner[:1]])
     parts = []
     for z in (depth / 2, -depth / 2):
@@ -78,7 +78,7 @@ def _rim(outer: Floats, inner: Floats, depth: float) -> list[Shape]:
 
 
 def _band(line: Floats, depth: float) -> Shape:
-    """Flat-shaded wall along a polyline ``(N, 2)`` of distinct points that has the solid on its left."""
+    """Return a flat-shaded wall along ``line (N, 2)`` of distinct points; the solid is on its left."""
     step = np.diff(line, axis=0)
     length = np.linalg.norm(step, axis=1)
     count = len(step)

@@ -11,7 +11,7 @@ from supersampling.scenes.scene import Array, Route, Scene, Sky, Sun, look_at
 
 
 def _routes() -> list[Route]:
-    """Walks along and towards the regular structures, 4 to 10 m away from most."""
+    """Return walks along and towards the regular structures, 4 to 10 m away from most."""
     return [
         walk("along the pavilion", [(-12.5, 1.6, -2.6), (2.5, 1.6, -2.6)], [(-9.0, 2.3, -7), (6.5, 2.3, -7)]),
         walk("along the shops", [(11.5, 1.6, 2.7), (-4.0, 1.6, 2.7)], [(8.0, 2.1, 7), (-8.0, 2.1, 7)]),
@@ -47,7 +47,10 @@ def _tripod(name: str, eye: Point, focus: Point) -> Route:
 
 
 def louvres() -> Scene:
-    """A street of 32 x 14 m whose structures have periods of 4 to 12 cm: they beat against the pixels as one walks by."""
+    """Build a street of 32 x 14 m whose structures have periods of 4 to 12 cm.
+
+    They beat against the pixels as the camera walks by.
+    """
     b = Builder()
     p = Palette(b)
     for part in (

@@ -15,7 +15,7 @@ CREAM, NAVY, RED, OCHRE, GREEN = (
 
 
 class Palette:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the louvred street, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -60,7 +60,7 @@ class Palette:
             ("awning green", tex.stripes(512, 4, (GREEN, CREAM), 21), 0.26),
             ("awning navy", tex.stripes(512, 4, (NAVY, CREAM), 22), 0.24),
         )
-        self.awnings = tuple(self._cloth(*each) for each in cloths)
+        self.awnings = tuple(self._cloth(*cloth) for cloth in cloths)
         self.deck = (
             self._cloth("deck blue", tex.stripes(512, 6, (NAVY, CREAM), 23), 0.3),
             self._cloth("deck ochre", tex.stripes(512, 6, (OCHRE, CREAM), 24), 0.3),

@@ -37,16 +37,16 @@ EAST = (
 
 
 def _row(b: Builder, p: Palette, houses: tuple[House, ...], turn: float, start: Point) -> None:
-    """Houses side by side from ``start`` along the local +x."""
+    """Add houses side by side from ``start`` along the local +x."""
     along = rotation((0, 1, 0), np.radians(turn))[:3, 0]
-    at = np.asarray(start)
+    corner = np.asarray(start)
     for house in houses:
-        build(Site(b, turn, float(at[0]), float(at[2])), p, house)
-        at = at + along * house.width
+        build(Site(b, turn, float(corner[0]), float(corner[2])), p, house)
+        corner = corner + along * house.width
 
 
 def _ground(b: Builder, p: Palette) -> None:
-    """Fan-laid cobbles in fields between bands of dressed stone; setts along the houses."""
+    """Add fan-laid cobbles in fields between bands of dressed stone; setts along the houses."""
     for x in np.arange(-X, X, 6.0):
         for k, z in enumerate((-6.4, -2.1, 2.2)):
             tint = 0.84 + 0.08 * ((int(x) + 2 * k) % 3)
@@ -66,7 +66,7 @@ def _ground(b: Builder, p: Palette) -> None:
 
 
 def _west(b: Builder, p: Palette) -> None:
-    """A low wall with a gate, over which the sun comes, and the town's roofs behind."""
+    """Add a low wall with a gate, over which the sun shines, and the town's roofs behind it."""
     for z0, z1 in ((-10.0, -2.6), (2.6, 10.0)):
         length, middle = z1 - z0, (z0 + z1) / 2
         b.put(box((0.4, 2.3, length), (-X - 0.2, 1.15, middle)), p.brick, (0.95, 0.9, 0.86))
@@ -75,7 +75,7 @@ def _west(b: Builder, p: Palette) -> None:
         wall = Site(b, 90, -X + 0.02, middle)
         for k in range(5):
             sheet = (p.bills[k], p.papers[k % 2], p.bills[(k + 2) % 5])[k % 3]
-            parts.hung(wall, p, sheet, (-2.8 + 1.4 * k, 1.35, 0.03), (1.0, 1.0))
+            parts.board(wall, p, sheet, (-2.8 + 1.4 * k, 1.35, 0.03), (1.0, 1.0))
     for z in (-2.4, 2.4):
         b.put(box((0.8, 3.2, 0.8), (-X - 0.2, 1.6, z)), p.stone)
         b.put(box((1.0, 0.2, 1.0), (-X - 0.2, 3.3, z)), p.stone)
@@ -91,7 +91,7 @@ def _west(b: Builder, p: Palette) -> None:
 
 
 def _town_hall(b: Builder, p: Palette) -> None:
-    """The inscribed band, the clock and the pediment on the middle house of the east side."""
+    """Add the inscribed band, the clock and the pediment on the middle house of the east side."""
     site = Site(b, -90, X, -4.0)
     band = quad((0.6, 7.05, 0.13), (6.8, 0, 0), (0, -0.52, 0))
     site.put(band, p.frieze)
@@ -111,7 +111,7 @@ def _town_hall(b: Builder, p: Palette) -> None:
 
 
 def _stalls(b: Builder, p: Palette) -> None:
-    """Two rows of stalls, with crates, slates, lamps and lindens between them."""
+    """Add two rows of stalls, with crates, slates, lamps and lindens between them."""
     stalls.fruit_stall(Site(b, 0, -8.6, -3.6), p, 0)
     stalls.book_stall(Site(b, 0, -3.8, -3.7), p, 1)
     stalls.press_stall(Site(b, 0, 4.6, -3.7), p, 2)
@@ -132,14 +132,15 @@ def _stalls(b: Builder, p: Palette) -> None:
         parts.easel(Site(b, turn, x, z), p, (p.slates[k % 3], p.bills[k % 5])[k % 2])
     piles = ((-12.4, -8.8, 3), (-8.2, -9.0, 2), (-2.0, -9.2, 3), (5.6, -9.1, 2), (12.9, -8.9, 3), (-12.6, 9.0, 2),
              (-4.4, 9.2, 3), (4.0, 9.1, 2), (12.6, 9.0, 3), (-6.4, -4.4, 2), (-6.0, -3.9, 1), (2.4, -4.3, 3),
-             (7.0, -4.2, 2), (-4.6, 4.3, 3), (7.4, 4.5, 2), (13.9, -6.8, 3), (13.9, 4.9, 2), (14.0, 7.0, 3))  # fmt: skip
+             (7.0, -4.2, 2), (-4.6, 4.3, 3), (7.4, 4.5, 2), (13.9, -6.8, 3), (13.9, 4.9, 2),
+             (14.0, 7.0, 3))  # fmt: skip
     for k, (x, z, high) in enumerate(piles):
         parts.crates(Site(b, 0, 0, 0), p, (x, z), k, high)
         parts.crates(Site(b, 0, 0, 0), p, (x + 0.5, z + 0.06 * (k % 3)), k + 7, max(high - 1, 1))
 
 
 def _ivy(b: Builder, p: Palette) -> None:
-    """Ivy over parts of the facades."""
+    """Add ivy over parts of the facades."""
     rng, cards = np.random.default_rng(33), []
     for k in range(110):
         x = -8.2 + rng.normal() * 0.55
@@ -176,7 +177,7 @@ def _routes() -> list[Route]:
 
 
 def market() -> Scene:
-    """A town square on a market day: cobbles, facades, print everywhere, leaves; a few things move, slowly."""
+    """Build a town square on a market day: cobbles, facades, print everywhere, leaves; a few things move, slowly."""
     b = Builder()
     p = Palette(b)
     _ground(b, p)

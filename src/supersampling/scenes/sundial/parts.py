@@ -1,4 +1,4 @@
-"""What turns and swings above the court, each part about its own origin: only shadows of it are seen."""
+"""Parts that turn and swing above the court, each about its own origin: only their shadows are visible."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from supersampling.scenes.kit.shapes import Floats, Shape, cylinder, grid, join,
 
 
 def slatted_wheel(radius: float, slats: int = 18) -> Shape:
-    """Wheel about y: a rim, a hub, and flat slats that leave half of the light through."""
+    """Return a wheel about y: a rim, a hub, and flat slats that leave half of the light through."""
     circle = np.linspace(0, 2 * np.pi, 49)[:-1]
     rim = np.stack([np.cos(circle), np.sin(circle)], 1)
     flat = rotation((1, 0, 0), np.pi / 2)
@@ -23,7 +23,7 @@ def slatted_wheel(radius: float, slats: int = 18) -> Shape:
 
 
 def lattice_drum(radius: float, length: float, strands: int = 12) -> Shape:
-    """Drum about x: hoops, and strands that wind round it in both directions."""
+    """Return a drum about x: hoops, and strands that wind round it in both directions."""
     t = np.linspace(0, 1, 13)
     parts = []
     for sense in (-1, 1):
@@ -39,7 +39,7 @@ def lattice_drum(radius: float, length: float, strands: int = 12) -> Shape:
 
 
 def sails(radius: float) -> tuple[Shape, Shape]:
-    """Four windmill sails about z: the laths and half-set canvas (both as closed boxes)."""
+    """Return four windmill sails about z: the laths and half-set canvas (both as closed boxes)."""
     wood, cloth = [cylinder(0.35, 0.7, 16).transform(rotation((1, 0, 0), np.pi / 2))], []
     for k in range(4):
         turn = rotation((0, 0, 1), k * np.pi / 2)
@@ -52,7 +52,7 @@ def sails(radius: float) -> tuple[Shape, Shape]:
 
 
 def banner(width: float, height: float) -> Shape:
-    """Cloth that hangs from the origin on a bar along x, bellied a little, with a swallow tail; both sides."""
+    """Return cloth that hangs from a bar along x at the origin, slightly bellied, with a swallow tail; both sides."""
     v, u = np.meshgrid(np.linspace(0, 1, 7), np.linspace(-1, 1, 9), indexing="ij")
     long = height * (1 - 0.22 * (1 - np.abs(u)) * v)
     points = np.stack([u * width / 2, -v * long, 0.14 * np.sin(np.pi * v) * (1 - u**2)], -1)
@@ -62,7 +62,7 @@ def banner(width: float, height: float) -> Shape:
 
 
 def pierced_shade(radius: float, height: float, columns: int = 24, rows: int = 6) -> Shape:
-    """Drum about y with a closed lid; every cell of its sheet has a hole, a star or a rosette in turn."""
+    """Return a drum about y with a closed lid; the cells of its sheet have holes, stars and rosettes in turn."""
     turn = np.linspace(0, 2 * np.pi, 33)
     square = np.stack([np.cos(turn), np.sin(turn)], 1)
     square /= 2 * np.abs(square).max(axis=1, keepdims=True)
@@ -90,7 +90,7 @@ def _disc(radius: float, y: float) -> Shape:
 
 
 def star_plate(radius: float, points: int = 8) -> Shape:
-    """Flat spokes about y that turn under a light."""
+    """Return flat spokes about y that turn under a light."""
     blades: list[Shape] = []
     for k in range(points):
         a = 2 * np.pi * k / points

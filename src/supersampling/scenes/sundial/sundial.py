@@ -1,7 +1,7 @@
 """The built-in scene ``sundial``: a painted court and a lamp chamber that stand still, while shadows turn over them.
 
-Both rooms are convex but for mouldings of a few centimetres, so that a camera in them uncovers next to nothing. What throws
-the shadows hangs above the view: motion vectors are those of the walls, and the picture changes all the same.
+Both rooms are convex except for mouldings of a few centimetres, so that a camera in them uncovers next to nothing. The
+objects that cast the shadows hang above the view: the motion vectors are those of the walls, yet the picture changes.
 """
 
 import numpy as np
@@ -25,7 +25,10 @@ SUN = (0.42, 0.76, 0.5)
 
 
 def _wall(site: Site, p: Palette, width: float, bays: int, door: int) -> None:
-    """A wall of the court along the local x from 0, facing +z: dado, painted arcade, frieze, coping; a door in one bay."""
+    """Add a wall of the court along the local x from 0, facing +z.
+
+    It has a dado, a painted arcade, a frieze, a coping, and a door in one bay.
+    """
     site.put(panel((0, DADO, 0), (width, 0, 0), (0, -DADO, 0)), p.dado)
     site.put(
         box((width, 0.09, 0.04), (width / 2, DADO, 0.02), ("front", "top", "bottom")),
@@ -49,11 +52,14 @@ def _wall(site: Site, p: Palette, width: float, bays: int, door: int) -> None:
 
 
 def _court(b: Builder, p: Palette) -> None:
-    """Four walls and the floor with the dial's hour lines and two arcs let into it."""
+    """Add four walls and the floor with the dial's hour lines and two arcs let into it."""
     x, z = HALF
     for turn, at, width, bays, door in (
-        (0, (-x, -z), 2 * x, 6, 3), (-90, (x, -z), 2 * z, 5, 1), (180, (x, z), 2 * x, 6, 1), (90, (-x, z), 2 * z, 5, 4),
-    ):  # fmt: skip
+        (0, (-x, -z), 2 * x, 6, 3),
+        (-90, (x, -z), 2 * z, 5, 1),
+        (180, (x, z), 2 * x, 6, 1),
+        (90, (-x, z), 2 * z, 5, 4),
+    ):
         _wall(Site(b, turn, *at), p, width, bays, door)
     b.put(panel((-x, 0, -z), (2 * x, 0, 0), (0, 0, 2 * z)), p.paving)
     dark = (0.2, 0.13, 0.11)
@@ -73,7 +79,7 @@ def _court(b: Builder, p: Palette) -> None:
 
 
 def _chamber(b: Builder, p: Palette) -> None:
-    """Eight walls, a floor, a slab for a ceiling: dim, with the lamp high up in the middle."""
+    """Add eight walls, a floor, a slab for a ceiling: dim, with the lamp high up in the middle."""
     side = 2 * APOTHEM * np.tan(np.pi / 8)
     for k in range(8):
         angle = k * 45.0
@@ -92,7 +98,7 @@ def _chamber(b: Builder, p: Palette) -> None:
 
 
 def _frames(b: Builder, p: Palette) -> None:
-    """Masts, beams and trestles that carry what moves; none of them is in view."""
+    """Add masts, beams and trestles that carry what moves; none of them is in view."""
     for x in (1.2, 9.6):
         b.put(beam((x, 0, 8.4), (x, 12.6, 8.4), 0.3), p.wood)
     timber = [beam((-1.6, y, 8.4), (9.8, y, 8.4), 0.22) for y in (12.3, 11.6)]
@@ -114,7 +120,7 @@ def _frames(b: Builder, p: Palette) -> None:
 
 
 def _movers(b: Builder, p: Palette) -> None:
-    """Two mills, a slatted wheel, a lattice drum and banners over the court; the lamp's shade and star in the chamber."""
+    """Add two mills, a slatted wheel, a lattice drum and banners over the court; lampshade and star in the chamber."""
     facing = float(np.degrees(np.arctan2(SUN[0], SUN[2])))
     laths, canvas = parts.sails(5.2)
     for k, (at, hertz) in enumerate((((8.6, 16.0, 2.1), 0.034), ((-1.0, 15.0, 6.8), -0.027))):
@@ -138,13 +144,16 @@ def _movers(b: Builder, p: Palette) -> None:
 
 
 def _in_chamber(degrees: float, radius: float, y: float) -> Point:
-    """A point of the chamber by its bearing from the lamp."""
+    """Return a point of the chamber by its bearing from the lamp."""
     a = np.radians(degrees)
     return (CHAMBER[0] + radius * float(np.sin(a)), y, CHAMBER[1] + radius * float(np.cos(a)))
 
 
 def _routes() -> list[Route]:
-    """Walks and tripods in both rooms, all looking at walls and floor; each split has both rooms and a standing camera."""
+    """Return walks and tripods in both rooms, all looking at walls and floor.
+
+    Each split has both rooms and a standing camera.
+    """
 
     def chamber_walk(name: str, start: float) -> Route:
         eyes = [_in_chamber(start + a, 3.5, 1.65) for a in (0, 30, 60, 90)]
@@ -179,7 +188,7 @@ def _routes() -> list[Route]:
 
 
 def sundial() -> Scene:
-    """A court under turning sails and a chamber round a turning lamp: nothing in view moves but light and shadow."""
+    """Build a court under turning sails and a chamber round a turning lamp: only light and shadow move in view."""
     b = Builder()
     p = Palette(b)
     _court(b, p)

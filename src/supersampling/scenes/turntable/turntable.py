@@ -3,7 +3,7 @@
 import numpy as np
 
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.furniture import bookcase, framed
+from supersampling.scenes.kit.furniture import bookcase, framed_picture
 from supersampling.scenes.kit.motion import spin
 from supersampling.scenes.kit.routes import tripod
 from supersampling.scenes.kit.shapes import beam, box, cylinder, lathe, panel, quad, tube
@@ -22,7 +22,7 @@ LAMPS = (
 
 
 def _room(b: Builder, m: Materials) -> None:
-    """Floor, walls with a wainscot, ceiling with beams."""
+    """Add a floor, walls with a wainscot, ceiling with beams."""
     side = 2 * HALF
     b.put(panel((-HALF, 0, -HALF), (side, 0, 0), (0, 0, side), (8, 8)), m.tiles)
     b.put(panel((-HALF, HEIGHT, HALF), (side, 0, 0), (0, 0, -side), (4, 4)), m.oak, (0.8, 0.8, 0.8))
@@ -39,11 +39,11 @@ def _room(b: Builder, m: Materials) -> None:
 
 
 def _walls(b: Builder, m: Materials) -> None:
-    """Bookcases, posters, newspapers, tools and a rose engine's wheels on the four walls."""
+    """Add bookcases, posters, newspapers, tools and a rose engine's wheels on the four walls."""
     rng = np.random.default_rng(4)
     wood, books = bookcase(rng, 1.5, 6)
-    poster, frame = framed(0.8, 0.8)
-    page, page_frame = framed(1.0, 1.0)
+    poster, frame = framed_picture(0.8, 0.8)
+    page, page_frame = framed_picture(1.0, 1.0)
     for turn in (0, 90, 180, 270):
         k = turn // 90
         for j, x in enumerate((-2.7, 0.2)) if k % 2 == 0 else enumerate((2.6,)):
@@ -59,7 +59,7 @@ def _walls(b: Builder, m: Materials) -> None:
 
 
 def _furniture(b: Builder, m: Materials) -> None:
-    """Pedestal of the turntable, bench with tools and castings, lamps on stands, cables."""
+    """Add the pedestal of the turntable, benches with tools and castings, lamps on stands, cables."""
     b.put(
         lathe(
             [
@@ -118,7 +118,7 @@ def _furniture(b: Builder, m: Materials) -> None:
 
 
 def _routes() -> list[Route]:
-    """Ten viewpoints around the turntable, far and near."""
+    """Return ten viewpoints around the turntable, far and near."""
     return [
         tripod("south", (0.2, 1.6, 2.9), (0.0, 1.3, 0.0), 0.8),
         tripod("east", (2.8, 1.55, 0.3), (0.0, 1.3, 0.0), 0.8),
@@ -134,7 +134,7 @@ def _routes() -> list[Route]:
 
 
 def turntable() -> Scene:
-    """A studio of 8 x 8 m in which one carved machine turns in 24 s and all else stands, the cameras too."""
+    """Build a studio of 8 x 8 m in which one carved machine turns in 24 s; all else stands, the cameras too."""
     b = Builder()
     m = Materials(b)
     for part in (_room, _walls, _furniture):
