@@ -66,7 +66,6 @@ def test_a_rise_is_seen(source):
     assert rises(source, Path("ops/warp.py"))
 
 
-@pytest.mark.xfail(strict=True, reason="scenes share parts with one another")
 def test_a_scene_imports_the_kit_and_the_scene_types_only():
     """What one built-in scene changes can then change no data set of another."""
     scenes = PACKAGE / "scenes"

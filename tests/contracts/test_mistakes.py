@@ -66,7 +66,7 @@ def test_a_broken_file(content, part, own, tmp_path):
 @pytest.mark.parametrize(
     ("override", "part"),
     [
-        ("scene=atrum", "There is no scene atrum"),
+        ("scene=atrum", "Unknown scene atrum"),
         ("splits=[dev]", "dev"),
         ("task.jitter=hilbert", "hilbert"),
         ("data.test.window=[4,4]", "4"),

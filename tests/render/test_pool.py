@@ -91,7 +91,7 @@ def test_a_killed_command_leaves_its_finished_clips_and_the_file_comes_out_the_s
 def test_a_worker_s_error_reaches_the_user_in_one_sentence(tmp_path):
     from dataclasses import replace
 
-    with pytest.raises(UserError, match="There is no scene atrum"):
+    with pytest.raises(UserError, match="Unknown scene atrum"):
         render_files([replace(SPEC, scene="atrum")], tmp_path, USUAL, workers=2)
 
 

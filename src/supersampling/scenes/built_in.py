@@ -1,4 +1,4 @@
-"""Scenes made by the project itself; the manifest beside each says what it shows."""
+"""Scenes built by the project itself; the manifest beside each describes what it shows."""
 
 from collections.abc import Callable
 

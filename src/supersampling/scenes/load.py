@@ -7,10 +7,10 @@ from supersampling.scenes.scene import Scene
 
 
 def check_scene(name: str) -> None:
-    """Refuse a scene that there is not, without making it.
+    """Raise `UserError` if the scene does not exist, without building it.
 
     Raises:
-        UserError: no such scene or track, or SuperTuxKart's data are not installed.
+        UserError: the scene or track does not exist, or SuperTuxKart's data are not installed.
     """
     kind, _, rest = name.partition("/")
     if kind == "gltf" and rest:
@@ -25,15 +25,15 @@ def check_scene(name: str) -> None:
     if name not in BUILT_IN:
         known = ", ".join(sorted(BUILT_IN))
         raise UserError(
-            f"There is no scene {name}: use {known}, stk/<track> for a SuperTuxKart track, or scene=gltf path=FILE."
+            f"Unknown scene {name}: use {known}, stk/<track> for a SuperTuxKart track, or scene=gltf path=FILE."
         )
 
 
 def load_scene(name: str, path: Path | None = None) -> Scene:
-    """The scene called ``name``: a built-in one, ``stk/<track>``, or ``gltf/<stem>`` from the glTF file ``path``.
+    """Return the scene ``name``: a built-in one, ``stk/<track>``, or ``gltf/<stem>`` from the glTF file ``path``.
 
     Raises:
-        UserError: no such scene or track, SuperTuxKart's data are not installed, or the file cannot be read.
+        UserError: the scene or track does not exist, SuperTuxKart's data are not installed, or the file cannot be read.
     """
     check_scene(name)
     kind, _, rest = name.partition("/")
@@ -41,7 +41,7 @@ def load_scene(name: str, path: Path | None = None) -> Scene:
         from supersampling.scenes.gltf import load_gltf
 
         if path is None:
-            raise UserError("scene=gltf needs a file: add path=FILE.gltf or path=FILE.glb.")
+            raise UserError("Missing path for scene=gltf: add path=FILE.gltf or path=FILE.glb.")
         return load_gltf(path)
     if kind == "stk":
         from supersampling.scenes.stk import load_track
@@ -53,7 +53,7 @@ def load_scene(name: str, path: Path | None = None) -> Scene:
 
 
 def installed_scenes() -> list[str]:
-    """The default scenes: the built-in ones, and two SuperTuxKart tracks where their data are installed."""
+    """Return the default scenes: atrium, foundry, and two SuperTuxKart tracks if their data are installed."""
     from supersampling.scenes.stk import find_data
 
     tracks = ["stk/zengarden", "stk/black_forest"] if find_data() else []

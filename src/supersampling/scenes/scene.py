@@ -1,7 +1,8 @@
-"""What a scene is: meshes, materials, moving objects, lights, sky and the routes a camera may take.
+"""Types of a scene: meshes, materials, moving objects, lights, sky and the routes a camera may take.
 
-World space is right-handed, y up, metres. A scene is plain data made once; the renderer only reads it.
-Textures are ``(H, W, C)`` uint8 arrays whose row 0 is the row at v = 0 (the image's top row); u right, v down, repeating.
+World space is right-handed, y up, metres. A scene is plain data, built once; the renderer only reads it.
+Textures are ``(H, W, C)`` uint8 arrays whose row 0 is the row at v = 0 (the top row of the image); u points right and v
+down, repeating.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,11 +24,12 @@ class Material:
 
     ``albedo`` is sRGB RGBA (or RGB), ``normal`` a tangent-space map (OpenGL convention, y up along +bitangent),
     ``surface`` linear RGB with R = roughness, G = metallic, B = emission mask (white where absent).
-    ``emission`` is linear radiance, multiplied by ``glow`` (sRGB RGB) where given, else by the albedo texture and the surface
-    map's blue channel; ``base_color`` and a mesh's colors leave it as it is.
+    ``emission`` is linear radiance, multiplied by ``glow`` (sRGB RGB) if present, else by the albedo texture and the
+    blue channel of the surface map; ``base_color`` and the colors of a mesh do not change it.
     ``alpha``: ``opaque``; ``test`` discards below ``alpha_cutoff``; ``blend`` is drawn as a test at 0.5.
-    ``interface`` marks an element of the user interface (QRISP, annex A.2): its emission alone is drawn, over what is behind
-    it, which keeps its depth, motion and object id; it is hidden by what is in front, takes no light and casts no shadow.
+    ``interface`` marks an element of the user interface (QRISP, annex A.2): only its emission is drawn, over the
+    surface behind it, which keeps its depth, motion and object id; it is hidden by surfaces in front of it, takes no
+    light and casts no shadow.
     """
 
     name: str
@@ -47,10 +49,11 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles of one material: ``positions (N, 3)``, unit ``normals (N, 3)``, ``uv (N, 2)``, ``triangles (M, 3)`` uint32.
+    """Triangles of one material.
 
-    Front faces are counter-clockwise. ``colors (N, 3)`` are linear factors on the albedo, white when absent. Tangents
-    are derived from the uv by the renderer.
+    ``positions (N, 3)``, unit ``normals (N, 3)``, ``uv (N, 2)``, ``triangles (M, 3)`` uint32, front faces
+    counter-clockwise. ``colors (N, 3)`` are linear factors on the albedo, white when absent. The renderer derives the
+    tangents from the uv.
     """
 
     positions: Array
@@ -63,9 +66,9 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Object:
-    """Meshes that move together. ``transform`` is a constant matrix, or a function of time for a moving object.
+    """Meshes that move together; ``transform`` is a constant matrix, or a function of time for a moving object.
 
-    ``frame`` is what the transform refers to: the ``world``; the ``camera`` (x right, y up, looking down -z: a head-up
+    ``frame`` is the frame of the transform: the ``world``; the ``camera`` (x right, y up, looking down -z: a head-up
     display); or a ``billboard``, whose place is in the world and whose axes are the camera's (a name above a head).
     """
 
@@ -83,7 +86,7 @@ class Object:
 
 @dataclass(frozen=True)
 class Sun:
-    """Directional light. ``direction`` points from the surface to the sun; ``radiance`` times pi is its irradiance."""
+    """Directional light; ``direction`` points from the surface to the sun, ``radiance`` times pi is its irradiance."""
 
     direction: tuple[float, float, float] = (0.4, 0.8, 0.3)
     radiance: tuple[float, float, float] = (3.0, 2.8, 2.5)
@@ -91,10 +94,10 @@ class Sun:
 
 @dataclass(frozen=True)
 class PointLight:
-    """Inverse-square light that fades to zero at ``radius`` metres. ``shadowed`` ones cast a cube shadow map.
+    """Inverse-square light that fades to zero at ``radius`` metres; a ``shadowed`` light has a cube shadow map.
 
-    ``intensity`` is radiant intensity / pi. A spot shines along ``direction``, in full within half the angle ``cone[0]`` and
-    not at all outside ``cone[1]`` (radians, as glTF's KHR_lights_punctual has it); the default shines everywhere.
+    ``intensity`` is radiant intensity / pi. A spot shines along ``direction``: fully within the half angle ``cone[0]``,
+    not at all outside of ``cone[1]`` (radians, as in glTF's KHR_lights_punctual); without a cone it shines everywhere.
     """
 
     position: tuple[float, float, float]
@@ -117,10 +120,10 @@ class Sky:
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """A line that a camera may walk along: ``points (N, 3)`` eye positions, looked along or at ``focus`` when given.
+    """Line that a camera may walk along: eye positions ``points (N, 3)``; it looks along the line, or at ``focus``.
 
-    ``recorded`` replaces both by the scene's own camera: a function from seconds to the camera-to-world matrix ``(4, 4)``
-    (x right, y up, looking down -z), constant for a camera that stands. ``fov`` is vertical, radians.
+    ``recorded`` replaces both by the scene's own camera: a function from seconds to the camera-to-world matrix
+    ``(4, 4)`` (x right, y up, looking down -z), constant for a camera that stands. ``fov`` is vertical, radians.
     """
 
     name: str
@@ -132,7 +135,7 @@ class Route:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """All that the renderer needs. ``routes`` are split among train, val and test so that their paths are disjoint."""
+    """Everything that the renderer needs; train, val and test split ``routes`` so that their paths are disjoint."""
 
     name: str
     materials: Sequence[Material]
@@ -149,7 +152,7 @@ class Scene:
 
 
 def look_at(eye: Vector, forward: Vector) -> NDArray[np.float64]:
-    """World-to-camera matrix of a camera at ``eye`` that looks along ``forward`` (not vertical), y up."""
+    """Return the world-to-camera matrix of a camera at ``eye`` that looks along ``forward`` (not vertical), y up."""
     back = -forward / np.linalg.norm(forward)
     right = np.cross((0.0, 1.0, 0.0), back)
     right /= np.linalg.norm(right)

@@ -1,4 +1,4 @@
-"""The built-in scene ``airstrip``: racing planes, lorries and drones go round an infield, fast, before painted walls."""
+"""The built-in scene ``airstrip``: planes, lorries and drones race round an infield before painted walls."""
 
 from supersampling.scenes.airstrip.airstrip import airstrip
 

@@ -1,24 +1,24 @@
-"""The built-in scene ``airstrip``: racing planes, lorries and drones go round an infield, fast, before painted walls."""
+"""The built-in scene ``airstrip``: planes, lorries and drones race round an infield before painted walls."""
 
 import numpy as np
 
 from supersampling.scenes.airstrip import vehicles
 from supersampling.scenes.airstrip.field import field
 from supersampling.scenes.airstrip.materials import Paints
-from supersampling.scenes.airstrip.motion import Course, lane
-from supersampling.scenes.airstrip.vehicles import Part
-from supersampling.scenes.foundry.parts import crate
-from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.airstrip.motion import lane
+from supersampling.scenes.kit.builder import Builder, Part
+from supersampling.scenes.kit.course import Course
+from supersampling.scenes.kit.furniture import crate
 from supersampling.scenes.kit.motion import chain, rotation, spin, sway
+from supersampling.scenes.kit.routes import walk
 from supersampling.scenes.kit.shapes import box, join, lathe
 from supersampling.scenes.scene import Route, Scene, Sky, Sun
 
-Point = tuple[float, float, float]
 LORRY_SPEED, DRONE_SPEED, TAXI_SPEED, RACER_SPEED, HIGH_SPEED = 12.0, -15.0, 3.5, 31.0, -38.0
 
 
 def _fly(b: Builder, p: Paints, course: Course, speed: float, start: float, look: int, bank: float) -> None:
-    """One plane with its turning propeller; ``look`` picks livery and kind."""
+    """Add one plane with its turning propeller; ``look`` selects the livery and the kind."""
     ride = course.ride(speed, start, bank)
     body = vehicles.plane(p.liveries[look % 4], p.iron, p.glass, biplane=look % 2 == 1)
     b.move(body, ride)
@@ -38,7 +38,7 @@ def _planes(b: Builder, p: Paints) -> None:
 
 
 def _lorries(b: Builder, p: Paints) -> None:
-    """Four lorries: tanks and crates in turn; their axles roll."""
+    """Add four lorries: tanks and crates in turn; their axles roll."""
     course = lane(17.6, 9.0, 0.0, 0.0)
     boxes = [crate(0.8, 2 + 3 * k).shift(-1.75 + 0.85 * (k % 3), 1.25, -0.45 + 0.9 * (k // 3)) for k in range(6)]
     boxes += [crate(0.7, 7 + k).turn_y(9 * k).shift(-1.4 + 0.9 * k, 2.0, -0.3 + 0.4 * k) for k in range(2)]
@@ -64,33 +64,35 @@ def _drones(b: Builder, p: Paints) -> None:
 
 
 def _windsock(b: Builder, p: Paints) -> None:
-    """Striped sleeve on the mast that swings in the wind."""
+    """Add a striped sleeve on the mast that swings in the wind."""
     sleeve = lathe([(0.4, 0.0), (0.36, -0.9), (0.22, -2.3)], 20)
     inner = lathe([(0.2, -2.3), (0.35, -0.9), (0.39, 0.0)], 20)
-    cone = join([sleeve, inner]).at(rotation((0, 0, 1), np.radians(78))).map_uv((1.0, 0.45))
+    cone = join([sleeve, inner]).transform(rotation((0, 0, 1), np.radians(78))).map_uv((1.0, 0.45))
     arm = box((0.5, 0.04, 0.04), (0.0, 0.0, 0.0))
     motion = chain(sway((8.0, 5.8, 0.0), (0, 1, 0), 24, 0.11), sway((0.12, 0, 0), (0, 0, 1), 7, 0.37, 1.0))
     b.move([(cone, p.cone), (arm, p.iron)], motion)
 
 
 def _routes() -> list[Route]:
-    lines: tuple[tuple[str, list[Point], list[Point]], ...] = (
-        ("hangars", [(-7.0, 1.6, -3.6), (3.0, 1.65, -3.8)], [(-6.0, 3.4, -25), (4.0, 3.4, -25)]),
-        ("terminal", [(7.0, 1.6, 3.6), (-2.0, 1.6, 3.8)], [(8.0, 3.3, 27), (-8.0, 3.5, 27)]),
-        ("grandstand", [(4.6, 1.65, 3.9), (10.2, 1.6, 1.6)], [(36.0, 3.4, 2.0), (40.0, 3.4, -4.0)]),
-        ("north east", [(9.8, 1.6, -2.2), (1.8, 1.65, -3.9)], [(24.0, 3.4, -24), (15.0, 3.4, -26)]),
-        ("containers", [(-5.0, 1.6, 3.6), (-10.3, 1.65, 1.8)], [(-38.0, 3.2, -2.0), (-40.0, 3.6, 4.0)]),
-        ("north west", [(-9.8, 1.6, -2.4), (-2.0, 1.65, -3.6)], [(-26.0, 3.3, -25), (-14.0, 3.4, -26)]),
-        ("south west", [(-9.4, 1.65, 2.6), (-1.8, 1.6, 3.8)], [(-24.0, 3.4, 26), (-10.0, 3.4, 27)]),
-        ("east bend", [(10.4, 1.6, -2.6), (9.8, 1.6, 2.6)], [(38.0, 3.2, -12.0), (38.0, 3.4, 12.0)]),
-        ("south east", [(9.6, 1.65, 2.4), (2.6, 1.6, 3.8)], [(26.0, 3.3, 26), (10.0, 3.4, 27)]),
-        ("north line", [(5.0, 1.65, -3.6), (-5.0, 1.6, -3.9)], [(2.0, 3.2, -25), (-20.0, 3.4, -25)]),
-    )  # fmt: skip
-    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
+    return [
+        walk("hangars", [(-7.0, 1.6, -3.6), (3.0, 1.65, -3.8)], [(-6.0, 3.4, -25), (4.0, 3.4, -25)]),
+        walk("terminal", [(7.0, 1.6, 3.6), (-2.0, 1.6, 3.8)], [(8.0, 3.3, 27), (-8.0, 3.5, 27)]),
+        walk("grandstand", [(4.6, 1.65, 3.9), (10.2, 1.6, 1.6)], [(36.0, 3.4, 2.0), (40.0, 3.4, -4.0)]),
+        walk("north east", [(9.8, 1.6, -2.2), (1.8, 1.65, -3.9)], [(24.0, 3.4, -24), (15.0, 3.4, -26)]),
+        walk("containers", [(-5.0, 1.6, 3.6), (-10.3, 1.65, 1.8)], [(-38.0, 3.2, -2.0), (-40.0, 3.6, 4.0)]),
+        walk("north west", [(-9.8, 1.6, -2.4), (-2.0, 1.65, -3.6)], [(-26.0, 3.3, -25), (-14.0, 3.4, -26)]),
+        walk("south west", [(-9.4, 1.65, 2.6), (-1.8, 1.6, 3.8)], [(-24.0, 3.4, 26), (-10.0, 3.4, 27)]),
+        walk("east bend", [(10.4, 1.6, -2.6), (9.8, 1.6, 2.6)], [(38.0, 3.2, -12.0), (38.0, 3.4, 12.0)]),
+        walk("south east", [(9.6, 1.65, 2.4), (2.6, 1.6, 3.8)], [(26.0, 3.3, 26), (10.0, 3.4, 27)]),
+        walk("north line", [(5.0, 1.65, -3.6), (-5.0, 1.6, -3.9)], [(2.0, 3.2, -25), (-20.0, 3.4, -25)]),
+    ]
 
 
 def airstrip() -> Scene:
-    """A race day on a small airfield: planes at 31 and 38 m/s, drones and lorries circle the camera in both directions."""
+    """Build a race day on a small airfield.
+
+    Planes at 31 and 38 m/s, drones and lorries circle the camera in both directions.
+    """
     b = Builder()
     p = Paints(b)
     for part in (field, _planes, _lorries, _drones, _windsock):

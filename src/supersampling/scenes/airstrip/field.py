@@ -1,4 +1,4 @@
-"""What stands on the airstrip: ground, hangars, terminal, containers, grandstand, fences, trees, the infield's things."""
+"""Static parts of the airstrip: ground, hangars, terminal, containers, grandstand, fences, trees, the infield."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -6,17 +6,18 @@ from itertools import pairwise
 import numpy as np
 
 from supersampling.scenes.airstrip.materials import Paints
-from supersampling.scenes.airstrip.shapes import outline, ring_band, skin, upright, wing
-from supersampling.scenes.foundry.parts import barrel, crate, fence, sign
+from supersampling.scenes.airstrip.shapes import ring_band, upright, wing
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import barrel, crate, fence, sign
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad, tube
+from supersampling.scenes.kit.skins import outline, skin
 
 HALF_X, HALF_Z = 50.0, 36.0
 ISLAND, APRON = (13.5, 6.2), (33.0, 21.0)  # half axes of the infield and of the tarmac's outer edge
 
 
 def ground(b: Builder, p: Paints) -> None:
-    """Infield, ring of tarmac with its lines, grass and concrete around."""
+    """Add the infield, a ring of tarmac with its lines, grass and concrete around."""
     inner, outer = outline(*ISLAND), outline(*APRON)
     lawn = np.stack([inner * s for s in (1.0, 0.5, 0.02)])
     for a, c in pairwise(lawn):
@@ -37,7 +38,7 @@ def ground(b: Builder, p: Paints) -> None:
 
 
 def hangar(width: float, height: float, depth: float) -> tuple[Shape, Shape, Shape, Shape]:
-    """Front with uv from 0 to 1, vaulted roof, side walls, frame; it looks along +z from z = 0."""
+    """Return the front (uv from 0 to 1), vaulted roof, side walls and frame; it looks along +z from z = 0."""
     x = np.linspace(-width / 2, width / 2, 33)
     eaves = height * 0.5
     arc = eaves + (height - eaves) * np.sqrt(np.clip(1 - (2 * x / width) ** 2, 0, 1))
@@ -61,7 +62,7 @@ def hangar(width: float, height: float, depth: float) -> tuple[Shape, Shape, Sha
 
 
 def hangars(b: Builder, p: Paints) -> None:
-    """Three painted hangars in the north, brick links between them."""
+    """Add three painted hangars in the north, brick links between them."""
     for k, x in enumerate((-22.0, 0.0, 22.0)):
         front, roof, walls, frame = hangar(17.0, 9.6 + 0.5 * (k == 1), 9.0)
         for shape, material in ((front, p.murals[k]), (roof, p.roof), (walls, p.brick), (frame, p.iron)):
@@ -81,7 +82,7 @@ def hangars(b: Builder, p: Paints) -> None:
 
 
 def _windows(b: Builder, p: Paints, places: list[tuple[float, float]], z: float, out: int) -> None:
-    """Windows 1.3 x 1.6 m with bars and sills in a wall at ``z`` that looks along ``out``."""
+    """Add windows 1.3 x 1.6 m with bars and sills in a wall at ``z`` that looks along ``out``."""
     turn = 0 if out > 0 else 180
     pane = quad((-0.65, 0.8, 0.03), (1.3, 0, 0), (0, -1.6, 0))
     bars = [box((0.08, 1.7, 0.1), (u, 0, 0.05)) for u in (-0.67, 0.67)] + [box((0.05, 1.6, 0.06), (0, 0, 0.05))]
@@ -93,7 +94,7 @@ def _windows(b: Builder, p: Paints, places: list[tuple[float, float]], z: float,
 
 
 def terminal(b: Builder, p: Paints) -> None:
-    """Brick terminal in the south with a tower; its front is the plane z = 27."""
+    """Add a brick terminal in the south with a tower; its front is the plane z = 27."""
     b.put(box((54, 7.0, 6.0), (0, 3.5, 30.0), ("back", "left", "right", "top")), p.brick)
     for y, deep in ((0.5, 0.12), (3.7, 0.16), (7.0, 0.36)):
         b.put(box((54.4, 0.3, deep), (0, y, 27.0 - deep / 2 + 0.02)), p.slabs)
@@ -117,7 +118,7 @@ def terminal(b: Builder, p: Paints) -> None:
 
 
 def ends(b: Builder, p: Paints) -> None:
-    """Containers stacked in the west, a grandstand in the east."""
+    """Add containers stacked in the west, a grandstand in the east."""
     rng = np.random.default_rng(8)
     unit = box((6.0, 2.6, 2.4), (0, 1.3, 0), fit=True)
     for row in range(5):
@@ -146,7 +147,7 @@ def ends(b: Builder, p: Paints) -> None:
 
 
 def trees(b: Builder, p: Paints) -> None:
-    """Cards of leaves behind everything, and a low brick wall around."""
+    """Add cards of leaves behind everything, and a low brick wall around."""
     rng = np.random.default_rng(5)
     for k in range(84):
         side = k % 4
@@ -164,7 +165,7 @@ def trees(b: Builder, p: Paints) -> None:
 
 
 def infield(b: Builder, p: Paints) -> None:
-    """Grass tufts, timing scaffold, windsock's mast, cones, barrels and crates."""
+    """Add grass tufts, timing scaffold, windsock's mast, cones, barrels and crates."""
     rng = np.random.default_rng(6)
     for _ in range(800):
         far = rng.random() < 0.35

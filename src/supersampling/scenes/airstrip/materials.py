@@ -23,7 +23,7 @@ MURALS: tuple[tuple[Rgb, Rgb, Rgb, str, str], ...] = (
 
 
 def livery(seed: int, base: Rgb, second: Rgb, third: Rgb, number: str) -> Texture:
-    """Plane's paint 1024 x 1024: right side, left side (a quarter each), wing (the lower half, seen from above)."""
+    """Draw the paint of a plane, 1024 x 1024: right and left side (a quarter each), wing from above (lower half)."""
     image = Image.new("RGB", (1024, 1024), base)
     draw = ImageDraw.Draw(image)
     for top, flip in ((0, False), (256, True)):
@@ -67,7 +67,7 @@ def livery(seed: int, base: Rgb, second: Rgb, third: Rgb, number: str) -> Textur
 
 
 def mural(seed: int, back: Rgb, light: Rgb, accent: Rgb, name: str, line: str) -> Texture:
-    """Hangar front 1024 x 512: rays, a great name, lines of type, door leaves and ribs."""
+    """Draw a hangar front 1024 x 512: rays, a large name, lines of type, door leaves and ribs."""
     y, x = np.mgrid[:512, :1024]
     angle = np.arctan2(520 - y, x - 512)
     rays = (np.floor(angle / np.pi * 34) % 2)[..., None] > 0.5
@@ -98,7 +98,7 @@ def mural(seed: int, back: Rgb, light: Rgb, accent: Rgb, name: str, line: str) -
 
 
 def container_sides(seed: int) -> Texture:
-    """Atlas 1024 x 1024 of eight container sides, two across and four down."""
+    """Draw an atlas 1024 x 1024 of eight container sides, two across and four down."""
     image = Image.new("RGB", (1024, 1024))
     colors = (
         (164, 62, 40),
@@ -121,13 +121,13 @@ def container_sides(seed: int) -> Texture:
         draw.text((256, 110), names[k], (238, 232, 216), lettering.font(64, "DejaVuSans-Bold"), anchor="mm")
         code = f"RSTU {rng.integers(100000, 999999)} {k}"
         draw.text((490, 34), code, (238, 232, 216), lettering.font(24, "DejaVuSansMono"), anchor="rm")
-        draw.text((28, 216), "MAX GROSS 30480 KG  TARE 2230 KG", (238, 232, 216), lettering.font(18), anchor="lm")  # fmt: skip
+        draw.text((28, 216), "MAX GROSS 30480 KG  TARE 2230 KG", (238, 232, 216), lettering.font(18), anchor="lm")
         image.paste(side, (512 * (k % 2), 256 * (k // 2)))
     return worn(np.asarray(image), seed, 0.35)
 
 
 class Paints:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the airstrip, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -157,8 +157,12 @@ class Paints:
         self.containers = self._flat("containers", container_sides(33))
         self.murals = [self._flat(f"mural {k}", mural(40 + 5 * k, *m)) for k, m in enumerate(MURALS)]
         self.liveries = [self._flat(f"livery {k}", livery(60 + 5 * k, *c)) for k, c in enumerate(LIVERIES)]
-        boards = (("FRAME FUEL", (236, 200, 60), (30, 34, 60)), ("VECTOR OIL", (240, 236, 224), (170, 40, 32)),
-                  ("NYQUIST TYRES", (34, 60, 50), (240, 228, 180)), ("AIR MAIL", (46, 74, 120), (238, 226, 190)))  # fmt: skip
+        boards = (
+            ("FRAME FUEL", (236, 200, 60), (30, 34, 60)),
+            ("VECTOR OIL", (240, 236, 224), (170, 40, 32)),
+            ("NYQUIST TYRES", (34, 60, 50), (240, 228, 180)),
+            ("AIR MAIL", (46, 74, 120), (238, 226, 190)),
+        )
         self.boards = [self._flat(t, lettering.poster(k, b, f, t)) for k, (t, b, f) in enumerate(boards)]
         self.notices = [
             self._flat("race rules", lettering.notice(3, "RACE RULES", (236, 230, 212), (30, 40, 70))),
@@ -169,7 +173,7 @@ class Paints:
         self.tufts = self._cut("tufts", blades(256, 72), 1.0)
         self.leaves = self._cut("leaves", crown(512, 74), 1.0)
 
-    def _matt(self, name: str, maps: metal.Maps, tile: float) -> int:
+    def _matt(self, name: str, maps: textures.Maps, tile: float) -> int:
         albedo, normal, surface = maps
         rough = textures.surface(0.8 + 0.2 * surface[..., 0] / 255.0)
         return self._builder.material(Material(name, albedo, normal, rough, roughness=1.0), tile)

@@ -1,25 +1,19 @@
-"""Smooth skins for the airstrip: fuselages, wings and their like. Metres; uv as said by each function."""
+"""Smooth skins for the airstrip: fuselages, wings and their like. Metres; each function describes its uv."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Floats, Shape, box, grid, join, lathe
-
-
-def skin(points: Floats, uv: Floats) -> Shape:
-    """Smooth surface through ``points (R, C, 3)``, rows down and columns right as seen from outside."""
-    down, right = np.gradient(points, axis=0), np.gradient(points, axis=1)
-    normal = np.cross(right, -down)
-    length = np.linalg.norm(normal, axis=-1, keepdims=True)
-    return grid(points, normal / np.maximum(length, 1e-12), uv)
+from supersampling.scenes.kit.skins import skin
 
 
 def hull(stations: ArrayLike, rows: int = 13) -> Shape:
-    """Body along x of elliptic sections ``stations (S, 4)``: x ascending, middle's y, half height, half width (all > 0).
+    """Return a body along x of elliptic sections ``stations (S, 4)``.
 
-    uv run from 0 to 1 along the body and from top to bottom, v in the upper half for the right side (+z) and in the lower
-    half for the left one; u runs to the right as seen from outside, so that lettering can be read on both.
+    A station is x (ascending), the middle's y, half height and half width (both positive).
+    uv run from 0 to 1 along the body and from top to bottom, v in the upper half for the right side (+z) and in the
+    lower half for the left one; u runs to the right as seen from outside, so that lettering can be read on both.
     """
     s = np.asarray(stations, float)
     angle = np.linspace(0, np.pi, rows)[:, None]
@@ -37,7 +31,10 @@ def hull(stations: ArrayLike, rows: int = 13) -> Shape:
 
 
 def wing(ribs: ArrayLike, rows: int = 9) -> Shape:
-    """Wing across ``ribs (N, 5)``: z ascending, y, leading edge's x, chord, thickness (> 0). uv from 0 to 1, v aft."""
+    """Return a wing across ``ribs (N, 5)``: z ascending, y, leading edge's x, chord, thickness (positive).
+
+    uv run from 0 to 1, v aft.
+    """
     ribs = np.asarray(ribs, float)
     share = (0.5 - 0.5 * np.cos(np.linspace(0, np.pi, rows)))[:, None]
     profile = 2.6 * (np.sqrt(share) - share) * 0.5 + 0.02 * (1 - share)
@@ -53,15 +50,15 @@ def wing(ribs: ArrayLike, rows: int = 9) -> Shape:
 
 
 def upright(shape: Shape) -> Shape:
-    """A wing turned to stand: its span, +z, goes up."""
-    return shape.at(rotation((1, 0, 0), -np.pi / 2))
+    """Turn a wing so that it stands: its span, +z, goes up."""
+    return shape.transform(rotation((1, 0, 0), -np.pi / 2))
 
 
 def propeller(radius: float, blades: int) -> Shape:
-    """Blades about the x axis, thinner and flatter towards their tips, and a spinner that looks along +x."""
+    """Return blades about the x axis, thinner and flatter towards their tips, and a spinner that looks along +x."""
     share = np.linspace(0, 1, 6)
     parts = [lathe([(0.0, 0.34), (0.07, 0.3), (0.13, 0.18), (0.16, 0.0), (0.0, -0.02)], 20)]
-    parts = [parts[0].at(rotation((0, 0, 1), -np.pi / 2))]
+    parts = [parts[0].transform(rotation((0, 0, 1), -np.pi / 2))]
     for k in range(blades):
         ribs = np.stack(
             [
@@ -73,13 +70,13 @@ def propeller(radius: float, blades: int) -> Shape:
             ],
             1,
         )
-        blade = wing(ribs, 7).at(rotation((0, 0, 1), np.radians(62)))
-        parts.append(blade.at(rotation((1, 0, 0), 2 * np.pi * k / blades)))
+        blade = wing(ribs, 7).transform(rotation((0, 0, 1), np.radians(62)))
+        parts.append(blade.transform(rotation((1, 0, 0), 2 * np.pi * k / blades)))
     return join(parts)
 
 
 def ring_band(outer: Floats, inner: Floats, y: float = 0.0) -> Shape:
-    """Flat ring on the ground between two closed outlines ``(N, 2)`` of (x, z) that run from +x towards -z."""
+    """Return a flat ring on the ground between two closed outlines ``(N, 2)`` of (x, z) that run from +x towards -z."""
     lines = np.stack([outer, inner])
     lines = np.concatenate([lines, lines[:, :1]], axis=1)
     points = np.stack([lines[..., 0], np.full(lines.shape[:2], y), lines[..., 1]], -1)
@@ -87,21 +84,14 @@ def ring_band(outer: Floats, inner: Floats, y: float = 0.0) -> Shape:
     return grid(points[:, ::-1], up, lines[:, ::-1])
 
 
-def outline(a: float, b: float, count: int = 96, power: float = 0.72) -> Floats:
-    """Superellipse ``(count, 2)`` of half axes ``a`` (x) and ``b`` (z), from +x towards -z."""
-    t = np.arange(count) / count * 2 * np.pi
-    c, s = np.cos(t), -np.sin(t)
-    return np.stack([a * np.sign(c) * np.abs(c) ** power, b * np.sign(s) * np.abs(s) ** power], 1)
-
-
 def wheel(radius: float, width: float) -> Shape:
-    """Tyre and hub about the z axis."""
+    """Return a tyre and hub about the z axis."""
     half = width / 2
     tyre = [(0.0, half * 0.7), (0.5, half * 0.7), (0.55, half), (0.9, half), (1.0, half * 0.6)]
     tyre += [(1.0, -half * 0.6), (0.9, -half), (0.55, -half), (0.5, -half * 0.7), (0.0, -half * 0.7)]
-    shape = lathe([(r * radius, y) for r, y in tyre], 20).at(rotation((1, 0, 0), np.pi / 2))
+    shape = lathe([(r * radius, y) for r, y in tyre], 20).transform(rotation((1, 0, 0), np.pi / 2))
     bolts = [
-        box((0.1 * radius, 0.1 * radius, width * 0.8), (0.32 * radius, 0, 0)).at(rotation((0, 0, 1), a))
+        box((0.1 * radius, 0.1 * radius, width * 0.8), (0.32 * radius, 0, 0)).transform(rotation((0, 0, 1), a))
         for a in np.arange(5) * 2 * np.pi / 5
     ]
     return join([shape, *bolts])

@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from supersampling.scenes.kit import metal, textures
+from supersampling.scenes.kit import textures
 from supersampling.scenes.kit.lettering import Rgb
 from supersampling.scenes.scene import Texture
 
 
 @cache
 def _weather(side: int) -> tuple[textures.Field, textures.Field]:
-    """(how faded, how chipped) a square of paint is."""
+    """Return how faded and how chipped a square of paint is."""
     fade, fine = textures.fractal(side, 81, 1.1), textures.fractal(side, 82, 0.35)
     streak = textures.fractal(side, 83, 0.8, (0.2, 3.0))
     chips = np.clip((textures.fractal(side, 84, 0.7) - 0.9) * 12, 0, 1)
@@ -21,7 +21,7 @@ def _weather(side: int) -> tuple[textures.Field, textures.Field]:
 
 
 def worn(image: NDArray[np.uint8], seed: int, amount: float) -> Texture:
-    """Paint faded, scratched and streaked."""
+    """Fade, scratch and streak a coat of paint."""
     height, width = image.shape[:2]
     shift = tuple(np.random.default_rng(seed).integers(1024, size=2))
     fade, chips = (np.roll(f, shift, (0, 1))[:height, :width, None] for f in _weather(max(height, width)))
@@ -30,7 +30,7 @@ def worn(image: NDArray[np.uint8], seed: int, amount: float) -> Texture:
 
 
 def blades(size: int, seed: int) -> Texture:
-    """Tuft of grass, RGBA, its root at the lower edge."""
+    """Draw a tuft of grass, RGBA, its root at the lower edge."""
     image = Image.new("RGBA", (size, size), (60, 84, 30, 0))
     draw, rng = ImageDraw.Draw(image), np.random.default_rng(seed)
     for _ in range(34):
@@ -46,7 +46,7 @@ def blades(size: int, seed: int) -> Texture:
 
 
 def crown(size: int, seed: int) -> Texture:
-    """Crown of a tree, RGBA: leaves inside a ragged disc, darker towards its foot."""
+    """Draw the crown of a tree, RGBA: leaves inside a ragged disc, darker towards its foot."""
     leaves = [(0.1, 0.16, 0.05), (0.26, 0.38, 0.12), (0.52, 0.58, 0.26)]
     image = textures.foliage(size, seed, 210, leaves).copy()
     y, x = np.mgrid[:size, :size] / size - 0.5
@@ -57,14 +57,14 @@ def crown(size: int, seed: int) -> Texture:
     return image
 
 
-def striped(size: int, one: Rgb, two: Rgb, bands: int) -> Texture:
-    """Bands along v."""
+def striped(size: int, first: Rgb, second: Rgb, bands: int) -> Texture:
+    """Draw bands along v."""
     row = np.mgrid[:size, :size][0] * bands // size % 2
-    return worn(np.where(row[..., None] > 0, one, two).astype(np.uint8), bands, 0.3)
+    return worn(np.where(row[..., None] > 0, first, second).astype(np.uint8), bands, 0.3)
 
 
-def patchy(maps: metal.Maps) -> metal.Maps:
-    """Dry patches and clover in a lawn."""
+def patchy(maps: textures.Maps) -> textures.Maps:
+    """Add dry patches and clover to a lawn."""
     albedo, normal, surface = maps
     size = len(albedo)
     dry, clover = textures.fractal(size, 91, 1.0), textures.fractal(size, 92, 0.6)
@@ -72,8 +72,8 @@ def patchy(maps: metal.Maps) -> metal.Maps:
     return textures.picture(albedo / 255 * tint), normal, surface
 
 
-def runway(size: int, seed: int) -> metal.Maps:
-    """Cast slabs with tarred joints and cracks, patches, oil and tyre marks."""
+def runway(size: int, seed: int) -> textures.Maps:
+    """Draw cast slabs with tarred joints and cracks, patches, oil and tyre marks."""
     grain, cloud = textures.fractal(size, seed, 0.25), textures.fractal(size, seed + 1, 1.1)
     crack = np.abs(textures.fractal(size, seed + 2, 1.35) - 0.5) < 0.004
     y, x = np.mgrid[:size, :size]

@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 
 from supersampling.scenes.airstrip.shapes import hull, propeller, upright, wheel, wing
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad, sphere
 
-Part = tuple[Shape, int]
 AXLES = (1.35, -1.25)  # x of a truck's axles
 TYRE = 0.42
 NOSE = (2.5, 0.0, 0.0)  # where a plane's propeller turns
@@ -33,13 +33,13 @@ _BODY = (  # stations of the fuselage, as `hull` takes them
 
 
 def plane(livery: int, metal: int, glass: int, biplane: bool) -> list[Part]:
-    """Racing plane 5.4 m long with 6.4 m of span; a second wing with struts when ``biplane``."""
+    """Return a racing plane 5.4 m long with 6.4 m of span; a second wing with struts when ``biplane``."""
     return list(zip(_airframe(biplane), (livery, metal, glass)))
 
 
 @cache
 def _airframe(biplane: bool) -> tuple[Shape, Shape, Shape]:
-    """Skins, rods and wheels, canopy."""
+    """Return the skins, the rods and wheels, and the canopy."""
     half = 3.2
     span = np.linspace(-1, 1, 17)
     tip = 1 - np.abs(span) ** 6
@@ -93,7 +93,7 @@ def _airframe(biplane: bool) -> tuple[Shape, Shape, Shape]:
 
 
 def _rigging(biplane: bool) -> Shape:
-    """Struts, wheels, exhausts, the canopy's frame."""
+    """Return struts, wheels, exhausts and the frame of the canopy."""
     rods = [beam((0.7, -0.35, s * 0.5), (0.75, -0.85, s * 0.85), 0.07) for s in (-1, 1)]
     rods += [beam((-2.5, 0.0, 0), (-2.6, -0.25, 0), 0.05)]
     if biplane:
@@ -104,7 +104,9 @@ def _rigging(biplane: bool) -> Shape:
             rods.append(beam((0.75, -0.25, s * 0.5), (0.9, 1.2, s * 2.05), 0.015))
     wheels = [wheel(0.27, 0.16).shift(0.75, -0.85, s * 0.9) for s in (-1, 1)]
     wheels.append(wheel(0.11, 0.07).shift(-2.6, -0.3, 0))
-    pots = [cylinder(0.05, 0.5, 8).at(rotation((0, 0, 1), np.pi / 2)).shift(1.6, -0.3, s * 0.42) for s in (-1, 1)]
+    pots = [
+        cylinder(0.05, 0.5, 8).transform(rotation((0, 0, 1), np.pi / 2)).shift(1.6, -0.3, s * 0.42) for s in (-1, 1)
+    ]
     frame = [box((0.04, 0.05, 0.5), (x, 0.8, 0)) for x in (-0.1, 0.3)]
     return join([*rods, *wheels, *pots, *frame])
 
@@ -114,7 +116,10 @@ def airscrew(metal: int) -> list[Part]:
 
 
 def truck(paint: int, metal: int, glass: int, load: list[Part]) -> list[Part]:
-    """Light lorry 4.6 m long without its wheels; ``load`` stands on its bed, whose top is at y = 0.85, x from -2.2 to 0.55."""
+    """Return a light lorry 4.6 m long without its wheels.
+
+    ``load`` stands on its bed, whose top is at y = 0.85 and which reaches from x = -2.2 to 0.55.
+    """
     side = np.array([(2.25, 0.5), (2.25, 1.05), (1.95, 1.25), (1.5, 2.05), (0.65, 2.05), (0.65, 0.5)])
     cab = []
     for z, order in ((0.92, 1), (-0.92, -1)):
@@ -148,8 +153,8 @@ def axle(metal: int) -> list[Part]:
     return [(join([tyre.shift(0, 0, z) for z in (-0.82, 0.82)]), metal)]
 
 
-def tank(lettered: int, metal: int) -> list[Part]:
-    """Lying tank with lettering on both sides."""
+def tank(paint: int, metal: int) -> list[Part]:
+    """Return a lying tank with lettering on both sides."""
     body = hull(
         [
             (-2.2, 1.5, 0.5, 0.62),
@@ -161,11 +166,11 @@ def tank(lettered: int, metal: int) -> list[Part]:
     ).map_uv((1, 2))
     caps = [box((0.02, 0.9, 1.15), (x, 1.5, 0)) for x in (-2.19, 0.49)]
     hats = [cylinder(0.16, 0.12, 14).shift(x, 2.16, 0) for x in (-1.6, -0.8, 0.0)]
-    return [(body, lettered), (join([*caps, *hats]), metal)]
+    return [(body, paint), (join([*caps, *hats]), metal)]
 
 
 def drone(paint: int, metal: int) -> list[Part]:
-    """Quadcopter 1.6 m across without its rotors."""
+    """Return a quadcopter 1.6 m across without its rotors."""
     body = hull(
         [
             (-0.34, 0, 0.06, 0.06),
@@ -188,5 +193,5 @@ def drone(paint: int, metal: int) -> list[Part]:
 
 
 def rotor(metal: int) -> list[Part]:
-    blades = [box((0.54, 0.012, 0.045)).at(rotation((1, 0, 0), 0.25)), cylinder(0.03, 0.05, 8)]
+    blades = [box((0.54, 0.012, 0.045)).transform(rotation((1, 0, 0), 0.25)), cylinder(0.03, 0.05, 8)]
     return [(join(blades), metal)]

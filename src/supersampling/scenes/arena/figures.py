@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supersampling.scenes.airstrip.shapes import outline, skin
-from supersampling.scenes.foundry.parts import disc
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, sphere, tube
+from supersampling.scenes.kit.skins import outline, skin
+from supersampling.scenes.kit.wheels import disc
 
-Part = tuple[Shape, int]
 THIGH, SHIN, ANKLE = 0.46, 0.4, 0.1  # lengths of the limbs; height of the ankle above the sole
 LEG = THIGH + SHIN
 HEAD = 1.95  # height of a robot's top
@@ -27,7 +27,10 @@ class Coat:
 
 
 def casing(profile: ArrayLike, power: float = 0.45, columns: int = 14) -> Shape:
-    """Closed shell of rounded rectangles ``profile (R, 3)``, top to bottom: y, half length (x), half width (z). Metric uv."""
+    """Return a closed shell of rounded rectangles ``profile (R, 3)``, top to bottom, with metric uv.
+
+    A row is y, half length (x) and half width (z).
+    """
     rows = np.asarray(profile, float)
     ring = outline(1.0, 1.0, columns, power)
     ring = np.concatenate([ring, ring[:1]])
@@ -48,7 +51,7 @@ def casing(profile: ArrayLike, power: float = 0.45, columns: int = 14) -> Shape:
 
 
 def _limb(length: float, top: float, foot: float) -> list[Shape]:
-    """Tapering case that hangs down from a joint, with an inner rod."""
+    """Return a tapering case that hangs down from a joint, with an inner rod."""
     shell = casing(
         [
             (-0.05, top * 0.8, top * 0.7),
@@ -62,7 +65,7 @@ def _limb(length: float, top: float, foot: float) -> list[Shape]:
 
 
 def torso(coat: Coat, kind: int) -> list[Part]:
-    """Pelvis, chest and pack; the origin is between the hips."""
+    """Return the pelvis, chest and pack; the origin is between the hips."""
     chest = casing(
         [
             (0.62, 0.12, 0.2),
@@ -94,7 +97,7 @@ def torso(coat: Coat, kind: int) -> list[Part]:
 
 
 def head(coat: Coat, kind: int) -> list[Part]:
-    """Head on a neck; the origin is the neck's foot."""
+    """Return a head on a neck; the origin is the neck's foot."""
     neck = [cylinder(0.06, 0.1, 12).shift(0, 0.04, 0), disc(0.05, 0.27, (0, 0.17, 0), segments=14)]
     if kind % 3 == 0:
         skull = casing(
@@ -120,7 +123,7 @@ def head(coat: Coat, kind: int) -> list[Part]:
 
 
 def arm(coat: Coat, side: int, kind: int) -> tuple[list[Part], list[Part]]:
-    """(upper arm hanging from the shoulder, forearm with hand or tool hanging from the elbow)."""
+    """Return the upper arm, hanging from the shoulder, and the forearm with hand or tool, hanging from the elbow."""
     pad = casing([(0.1, 0.06, 0.04), (0.08, 0.12, 0.09), (-0.02, 0.14, 0.11), (-0.06, 0.12, 0.1)], 0.6).shift(
         0, 0, side * 0.03
     )
@@ -129,10 +132,10 @@ def arm(coat: Coat, side: int, kind: int) -> tuple[list[Part], list[Part]]:
     hand = [box((0.07, 0.09, 0.05), (0.0, -0.33, 0))]
     hand += [beam((dx, -0.36, 0.0), (dx + 0.03, -0.45, 0), 0.02) for dx in (-0.03, 0.0, 0.03)]
     if side > 0 and kind % 2 == 0:
-        hand += [cylinder(0.025, 1.5, 10).at(rotation((0, 0, 1), 1.35)).shift(0.25, -0.32, 0)]
+        hand += [cylinder(0.025, 1.5, 10).transform(rotation((0, 0, 1), 1.35)).shift(0.25, -0.32, 0)]
         hand += [
             lathe([(0.0, 0.2), (0.05, 0.06), (0.0, 0.0)], 8)
-            .at(rotation((0, 0, 1), 1.35 - np.pi))
+            .transform(rotation((0, 0, 1), 1.35 - np.pi))
             .shift(0.95, -0.478, 0)
         ]
     elif side < 0 and kind % 3 != 2:
@@ -148,7 +151,7 @@ def arm(coat: Coat, side: int, kind: int) -> tuple[list[Part], list[Part]]:
 
 
 def leg(coat: Coat) -> tuple[list[Part], list[Part], list[Part]]:
-    """(thigh, shin, foot), each hanging from its joint."""
+    """Return the thigh, shin and foot, each hanging from its joint."""
     knee = disc(0.065, 0.15, (0, -THIGH, 0), segments=16)
     cap = casing([(0.08, 0.03, 0.05), (0.06, 0.05, 0.07), (-0.07, 0.04, 0.06), (-0.1, 0.02, 0.03)])
     shin = join([*_limb(SHIN + 0.04, 0.07, 0.05), cap.shift(0.06, 0, 0)])

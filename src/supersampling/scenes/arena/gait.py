@@ -1,4 +1,4 @@
-"""How the arena's figures walk: every part of a robot moves rigidly in its parent's frame."""
+"""Gait of the arena's figures: every part of a robot moves rigidly in its parent's frame."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from supersampling.scenes.arena.figures import ANKLE, LEG, SHIN, THIGH, Coat, Part, arm, casing, head, leg, torso
+from supersampling.scenes.arena.figures import ANKLE, LEG, SHIN, THIGH, Coat, arm, casing, head, leg, torso
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import chain, rotation, sway, translation
 from supersampling.scenes.kit.shapes import Shape, beam, join, lathe, sphere, tube
 from supersampling.scenes.scene import Array, Transform
@@ -22,23 +23,23 @@ STRIDE = 4 * LEG * np.sin(SWING)  # metres that two steps cover
 
 
 def _joint(place: ArrayLike, angle: Callable[[float], float]) -> Transform:
-    """Turn about the local z axis at ``place``; a positive ``angle`` swings what hangs there forward."""
+    """Return a rotation about the local z axis at ``place``; a positive ``angle`` swings the limb forward."""
     at_place = translation(place)
 
-    def at(seconds: float) -> Array:
+    def pose(seconds: float) -> Array:
         return (at_place @ rotation((0, 0, 1), angle(seconds))).astype(np.float32)
 
-    return at
+    return pose
 
 
-def _kept(motion: Transform) -> Transform:
-    """``motion``, its last moments kept for the parts that move in its frame."""
+def _cached(motion: Transform) -> Transform:
+    """Return ``motion`` with a cache of its last moments, for the parts that move in its frame."""
     return lru_cache(maxsize=1024)(motion)
 
 
 @dataclass(frozen=True)
 class Step:
-    """Angles of one leg (and of the arm on that side) over time; ``rate`` in steps of that leg a second."""
+    """Angles of one leg (and of the arm on that side) over time; ``rate`` in steps of that leg per second."""
 
     rate: float
     phase: float
@@ -47,15 +48,15 @@ class Step:
         return 2 * np.pi * self.rate * seconds + self.phase
 
     def swing(self, seconds: float) -> float:
-        """Hip: nearly even to and fro, so that the standing foot stays where it is."""
+        """Return the angle of the hip: nearly even to and fro, so that the standing foot stays where it is."""
         return SWING * float(np.arcsin(EVEN * np.sin(self._turn(seconds))) / np.arcsin(EVEN))
 
     def bend(self, seconds: float) -> float:
-        """Knee: bent only on the way forward."""
+        """Return the angle of the knee, bent only on the way forward."""
         return -BEND * max(float(np.cos(self._turn(seconds))), 0.0) ** 3
 
     def level(self, seconds: float) -> float:
-        """Ankle: keeps the sole level."""
+        """Return the angle of the ankle, which keeps the sole level."""
         return -self.swing(seconds) - self.bend(seconds)
 
     def shoulder(self, seconds: float) -> float:
@@ -66,29 +67,29 @@ class Step:
 
 
 def _bob(step: Step, size: float) -> Transform:
-    """The body sinks as the legs spread: the standing leg is straight and its foot on the ground."""
+    """Return the motion of the body, which sinks as the legs spread: the standing leg is straight, on the ground."""
 
-    def at(seconds: float) -> Array:
+    def pose(seconds: float) -> Array:
         high = LEG * np.cos(step.swing(seconds)) + ANKLE
         return translation((0, size * high, 0)).astype(np.float32)
 
-    return at
+    return pose
 
 
 def biped(add: Add, ride: Transform, speed: float, phase: float, coat: Coat, kind: int, size: float) -> None:
-    """Adds the twelve moving parts of a robot that walks along ``ride``; ``size`` scales it (and its stride)."""
+    """Add the twelve moving parts of a robot that walks along ``ride``; ``size`` scales it (and its stride)."""
     rate = speed / (STRIDE * size)
 
     def place(parts: list[Part], motion: Transform) -> None:
-        grown = [(Shape(s.positions * size, s.normals, s.uv * size, s.triangles), m) for s, m in parts]
-        add(grown, motion)
+        scaled = [(Shape(s.positions * size, s.normals, s.uv * size, s.triangles), m) for s, m in parts]
+        add(scaled, motion)
 
-    def moved(offset: ArrayLike, angle: Callable[[float], float]) -> Transform:
+    def joint(offset: ArrayLike, angle: Callable[[float], float]) -> Transform:
         return _joint(np.asarray(offset, float) * size, angle)
 
-    body = _kept(chain(ride, _bob(Step(rate, phase), size)))
+    body = _cached(chain(ride, _bob(Step(rate, phase), size)))
     twist = sway((0, 0, 0), (0, 1, 0), 7, rate, phase + np.pi / 2)
-    chest = _kept(chain(body, twist))
+    chest = _cached(chain(body, twist))
     place(torso(coat, kind), chest)
     place(
         head(coat, kind),
@@ -97,22 +98,22 @@ def biped(add: Add, ride: Transform, speed: float, phase: float, coat: Coat, kin
     for side in (-1, 1):
         step = Step(rate, phase + (np.pi if side < 0 else 0.0))
         thigh, shin, foot = leg(coat)
-        hip = moved((0, 0, side * 0.17), step.swing)
-        knee = moved((0, -THIGH, 0), step.bend)
-        upper_leg = _kept(chain(body, hip))
-        lower_leg = _kept(chain(upper_leg, knee))
+        hip = joint((0, 0, side * 0.17), step.swing)
+        knee = joint((0, -THIGH, 0), step.bend)
+        upper_leg = _cached(chain(body, hip))
+        lower_leg = _cached(chain(upper_leg, knee))
         place(thigh, upper_leg)
         place(shin, lower_leg)
-        place(foot, chain(lower_leg, moved((0, -SHIN, 0), step.level)))
+        place(foot, chain(lower_leg, joint((0, -SHIN, 0), step.level)))
         upper, fore = arm(coat, side, kind)
-        shoulder = moved((0, 0.52, side * 0.44), step.shoulder)
-        elbow = moved((0, -0.32, 0), step.elbow)
+        shoulder = joint((0, 0.52, side * 0.44), step.shoulder)
+        elbow = joint((0, -0.32, 0), step.elbow)
         place(upper, chain(chest, shoulder))
         place(fore, chain(chest, shoulder, elbow))
 
 
 def crawler(add: Add, ride: Transform, speed: float, phase: float, coat: Coat) -> None:
-    """Adds a six-legged creature 1.6 m long: a body and six legs of one piece that row."""
+    """Add a six-legged creature 1.6 m long: a body and six legs of one piece that row."""
     shell = casing(
         [(0.92, 0.2, 0.12), (0.88, 0.5, 0.3), (0.72, 0.68, 0.4), (0.58, 0.62, 0.36), (0.52, 0.4, 0.2)],
         0.8,
@@ -143,7 +144,7 @@ def crawler(add: Add, ride: Transform, speed: float, phase: float, coat: Coat) -
         ]
         knob += [
             casing([(0.2, 0.05, 0.05), (0.0, 0.1, 0.1), (-0.22, 0.06, 0.06)], 0.7)
-            .at(rotation((1, 0, 0), -side * 0.42))
+            .transform(rotation((1, 0, 0), -side * 0.42))
             .shift(0, 0.08, side * 0.55)
         ]
         row = sway((x, 0.64, side * 0.3), (0, 1, 0), 20, speed / 0.62, phase + np.pi * ((k // 2 + k) % 2))

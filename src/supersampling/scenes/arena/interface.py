@@ -14,14 +14,20 @@ POWER: Rgb = (84, 160, 232)
 BAD: Rgb = (226, 74, 58)
 GOLD: Rgb = (240, 192, 72)
 _LOG = (
-    "KESTREL parries MARROW-9", "+120 score   chain x3", "OLD TOLLER enters the ring", "FINCH repairs 64 armour",
-    "MARROW-9 overheats (4.2 s)", "south gate opens in 00:31", "BRASS AUNT taunts the crowd", "supply drop at D4",
+    "KESTREL parries MARROW-9",
+    "+120 score   chain x3",
+    "OLD TOLLER enters the ring",
+    "FINCH repairs 64 armour",
+    "MARROW-9 overheats (4.2 s)",
+    "south gate opens in 00:31",
+    "BRASS AUNT taunts the crowd",
+    "supply drop at D4",
     "latency 23 ms   loss 0.0 %",
-)  # fmt: skip
+)
 
 
 def _bar(draw: ImageDraw.ImageDraw, box: tuple[int, int, int, int], share: float, color: Rgb, ticks: int) -> None:
-    """Framed bar (left, top, right, bottom) filled to ``share``, with ``ticks`` divisions."""
+    """Draw a framed bar (left, top, right, bottom) filled to ``share``, with ``ticks`` divisions."""
     left, top, right, bottom = box
     draw.rectangle(box, (46, 50, 58), INK, 2)
     draw.rectangle((left + 4, top + 4, left + 4 + int((right - left - 8) * share), bottom - 4), color)
@@ -31,7 +37,7 @@ def _bar(draw: ImageDraw.ImageDraw, box: tuple[int, int, int, int], share: float
 
 
 def plate(name: str, rank: str, level: int, health: tuple[int, int], color: Rgb) -> Texture:
-    """Name plate 512 x 160: name, rank, level, health bar with its figures."""
+    """Draw a name plate 512 x 160: name, rank, level, health bar with its figures."""
     image = Image.new("RGB", (512, 160), BACK)
     draw = ImageDraw.Draw(image)
     draw.rectangle((0, 0, 511, 159), outline=color, width=5)
@@ -47,7 +53,7 @@ def plate(name: str, rank: str, level: int, health: tuple[int, int], color: Rgb)
 
 
 def mark(text: str, color: Rgb) -> Texture:
-    """Sign 128 x 128 above a head, RGBA: a letter in a lozenge."""
+    """Draw a sign 128 x 128 above a head, RGBA: a letter in a lozenge."""
     image = Image.new("RGBA", (128, 128), (*color, 0))
     draw = ImageDraw.Draw(image)
     draw.polygon([(64, 2), (125, 64), (64, 125), (2, 64)], (*color, 255), (*INK, 255), 6)
@@ -56,7 +62,7 @@ def mark(text: str, color: Rgb) -> Texture:
 
 
 def vitals() -> Texture:
-    """Panel 768 x 256 of the player: portrait, name, three bars, small figures."""
+    """Draw a panel 768 x 256 of the player: portrait, name, three bars, small figures."""
     image = Image.new("RGB", (768, 256), BACK)
     draw = ImageDraw.Draw(image)
     draw.rectangle((0, 0, 767, 255), outline=POWER, width=5)
@@ -76,7 +82,7 @@ def vitals() -> Texture:
 
 
 def title() -> Texture:
-    """Panel 1024 x 128 of the round: two scores, the clock, small type."""
+    """Draw a panel 1024 x 128 of the round: two scores, the clock, small type."""
     image = Image.new("RGB", (1024, 128), BACK)
     draw = ImageDraw.Draw(image)
     for left, color, name, score, share in (
@@ -93,7 +99,7 @@ def title() -> Texture:
 
 
 def log() -> Texture:
-    """Lines of small type 768 x 384 without a ground, RGBA, a dark rim around every letter."""
+    """Draw lines of small type 768 x 384 without a ground, RGBA, a dark rim around every letter."""
     image = Image.new("RGBA", (768, 384), (*BACK, 0))
     draw = ImageDraw.Draw(image)
     for k, line in enumerate(_LOG):
@@ -104,7 +110,7 @@ def log() -> Texture:
 
 
 def map_face() -> Texture:
-    """Round map 320 x 320 of the ring, RGBA: rings, spokes, letters, dots."""
+    """Draw a round map 320 x 320 of the ring, RGBA: rings, spokes, letters, dots."""
     image = Image.new("RGBA", (320, 320), (*BACK, 0))
     draw = ImageDraw.Draw(image)
     draw.ellipse((2, 2, 317, 317), (*BACK, 255), (*INK, 255), 5)
@@ -130,7 +136,7 @@ def map_face() -> Texture:
 
 
 def aim() -> Texture:
-    """Cross-hair 256 x 256, RGBA."""
+    """Draw a cross-hair 256 x 256, RGBA."""
     image = Image.new("RGBA", (256, 256), (*INK, 0))
     draw = ImageDraw.Draw(image)
     draw.ellipse((60, 60, 196, 196), outline=(*INK, 255), width=5)
@@ -141,7 +147,7 @@ def aim() -> Texture:
 
 
 def slots() -> Texture:
-    """Row of five tools 800 x 160 with their keys and counts."""
+    """Draw a row of five tools 800 x 160 with their keys and counts."""
     image = Image.new("RGB", (800, 160), BACK)
     draw = ImageDraw.Draw(image)
     for k, (word, count) in enumerate((("LANCE", 1), ("NET", 4), ("FLARE", 12), ("PATCH", 3), ("HORN", 1))):

@@ -13,10 +13,13 @@ from supersampling.scenes.scene import Material, Texture
 
 SHINE = 1.6  # emission of the interface: white comes out as 0.95 on the screen
 COATS = (
-    ((0.3, 0.07, 0.05), (0.6, 0.16, 0.1), (0.76, 0.34, 0.22)), ((0.08, 0.16, 0.34), (0.16, 0.32, 0.58), (0.4, 0.54, 0.72)),
-    ((0.46, 0.3, 0.06), (0.76, 0.55, 0.14), (0.9, 0.76, 0.4)), ((0.12, 0.26, 0.2), (0.24, 0.46, 0.34), (0.46, 0.64, 0.5)),
-    ((0.42, 0.42, 0.4), (0.66, 0.65, 0.6), (0.84, 0.82, 0.76)), ((0.2, 0.14, 0.24), (0.38, 0.26, 0.44), (0.58, 0.46, 0.62)),
-)  # fmt: skip
+    ((0.3, 0.07, 0.05), (0.6, 0.16, 0.1), (0.76, 0.34, 0.22)),
+    ((0.08, 0.16, 0.34), (0.16, 0.32, 0.58), (0.4, 0.54, 0.72)),
+    ((0.46, 0.3, 0.06), (0.76, 0.55, 0.14), (0.9, 0.76, 0.4)),
+    ((0.12, 0.26, 0.2), (0.24, 0.46, 0.34), (0.46, 0.64, 0.5)),
+    ((0.42, 0.42, 0.4), (0.66, 0.65, 0.6), (0.84, 0.82, 0.76)),
+    ((0.2, 0.14, 0.24), (0.38, 0.26, 0.44), (0.58, 0.46, 0.62)),
+)
 FIGURES: tuple[tuple[str, str, int, tuple[int, int], Rgb], ...] = (
     ("OLD TOLLER", "warden of the ring, iron", 31, (5230, 6400), interface.GOLD),
     ("MARROW-9", "red forge, lancer", 17, (412, 1800), interface.BAD),
@@ -29,8 +32,8 @@ FIGURES: tuple[tuple[str, str, int, tuple[int, int], Rgb], ...] = (
 )
 
 
-def trodden(size: int, seed: int, stops: list[tuple[float, float, float]]) -> metal.Maps:
-    """Sand with gravel, damp patches, rake marks and footprints."""
+def trodden(size: int, seed: int, stops: list[tuple[float, float, float]]) -> textures.Maps:
+    """Draw sand with gravel, damp patches, rake marks and footprints."""
     grit = np.tile(textures.photo("gravel"), (size // 512, size // 512))
     cloud, damp = textures.fractal(size, seed, 1.2), textures.fractal(size, seed + 1, 1.0)
     y, x = np.mgrid[:size, :size] / size
@@ -61,7 +64,7 @@ def trodden(size: int, seed: int, stops: list[tuple[float, float, float]]) -> me
 
 
 class Materials:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the arena, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -82,8 +85,12 @@ class Materials:
             "cloth", textures.picture(np.repeat(0.5 + 0.4 * textures.fractal(128, 25, 0.6)[..., None], 3, 2))
         )
         self.crates = self._plain("crates", lettering.label_sheet(27))
-        boards = (("FORGE & FIELD", (160, 40, 30), (240, 228, 200)), ("BLUE YARD OIL", (34, 66, 116), (236, 230, 214)),
-                  ("RING GAZETTE", (232, 222, 196), (36, 32, 30)), ("TICK POWDER", (70, 104, 66), (240, 226, 170)))  # fmt: skip
+        boards = (
+            ("FORGE & FIELD", (160, 40, 30), (240, 228, 200)),
+            ("BLUE YARD OIL", (34, 66, 116), (236, 230, 214)),
+            ("RING GAZETTE", (232, 222, 196), (36, 32, 30)),
+            ("TICK POWDER", (70, 104, 66), (240, 226, 170)),
+        )
         self.boards = [self._plain(t, lettering.poster(k, b, f, t)) for k, (t, b, f) in enumerate(boards)]
         self.rules = self._plain("rules", lettering.notice(5, "RING RULES", (236, 228, 206), (90, 26, 24)))
         flags = (((140, 30, 26), (240, 216, 150), "FORGE"), ((28, 58, 104), (236, 230, 214), "YARD"))
@@ -93,17 +100,19 @@ class Materials:
         glow = [self._light(f"glow {k}", c) for k, c in enumerate(((3.0, 0.7, 0.3), (0.4, 1.6, 3.0)))]
         plates = [self._maps(f"coat {k}", metal.riveted(256, 40 + 4 * k, c), 0.5) for k, c in enumerate(COATS)]
         self.coats = [Coat(p, self.iron, self.steel, glow[k % 2]) for k, p in enumerate(plates)]
-        self.plates = [self._shown(f[0], interface.plate(*f)) for f in FIGURES]
-        self.marks = [self._shown(t, interface.mark(t, c)) for t, c in (("!", interface.GOLD), ("?", interface.POWER))]
-        self.vitals = self._shown("vitals", interface.vitals())
-        self.title = self._shown("title", interface.title())
-        self.log = self._shown("log", interface.log())
-        self.map = self._shown("map", interface.map_face())
-        self.aim = self._shown("aim", interface.aim())
-        self.slots = self._shown("slots", interface.slots())
-        self.pointer = self._shown("pointer", np.full((8, 8, 3), interface.GOLD, np.uint8))
+        self.plates = [self._interface(f[0], interface.plate(*f)) for f in FIGURES]
+        self.marks = [
+            self._interface(t, interface.mark(t, c)) for t, c in (("!", interface.GOLD), ("?", interface.POWER))
+        ]
+        self.vitals = self._interface("vitals", interface.vitals())
+        self.title = self._interface("title", interface.title())
+        self.log = self._interface("log", interface.log())
+        self.map = self._interface("map", interface.map_face())
+        self.aim = self._interface("aim", interface.aim())
+        self.slots = self._interface("slots", interface.slots())
+        self.pointer = self._interface("pointer", np.full((8, 8, 3), interface.GOLD, np.uint8))
 
-    def _maps(self, name: str, maps: metal.Maps, tile: float) -> int:
+    def _maps(self, name: str, maps: textures.Maps, tile: float) -> int:
         return self._builder.material(Material(name, *maps, roughness=1.0, metallic=1.0), tile)
 
     def _plain(self, name: str, albedo: Texture) -> int:
@@ -112,7 +121,7 @@ class Materials:
     def _light(self, name: str, emission: tuple[float, float, float]) -> int:
         return self._builder.material(Material(name, base_color=(0.8, 0.8, 0.8), emission=emission))
 
-    def _shown(self, name: str, albedo: Texture) -> int:
-        """An element of the interface; holes where the texture has them."""
+    def _interface(self, name: str, albedo: Texture) -> int:
+        """Add an element of the interface, with holes where the texture has them."""
         look = Material(f"interface {name}", albedo, emission=(SHINE,) * 3, interface=True)
         return self._builder.material(replace(look, alpha="test") if albedo.shape[2] == 4 else look)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from supersampling.scenes.arena.materials import Materials
-from supersampling.scenes.foundry.parts import barrel, crate
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import barrel, crate
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad
 
 RADIUS = 14.0
@@ -16,17 +16,17 @@ COLUMNS = ((6.5, 30), (6.4, 75), (6.5, 160), (6.4, 250), (6.5, 305))  # radius a
 
 
 def planar(shape: Shape) -> Shape:
-    """uv of a floor: metres along x and z."""
+    """Set the uv of a floor to metres along x and z."""
     return replace(shape, uv=shape.positions[:, [0, 2]])
 
 
 def _wall(radius: float, low: float, high: float) -> Shape:
-    """Ring wall that looks inwards."""
+    """Return a ring wall that looks inwards."""
     return lathe([(radius, low), (radius, high)], SIDES).map_uv((1, -1))
 
 
 def ring(b: Builder, m: Materials) -> None:
-    """Sand with lime lines, the wall with its coping, stands, an arcade above them."""
+    """Add sand with lime lines, the wall with its coping, stands, an arcade above them."""
     b.put(planar(lathe([(0, 0), (5.0, 0), (10.0, 0), (RADIUS, 0)], SIDES)), m.sand)
     for inner, outer in ((2.6, 2.75), (8.2, 8.4), (12.3, 12.45)):
         b.put(planar(lathe([(inner, 0.008), (outer, 0.008)], SIDES * 2)), m.lime)
@@ -57,7 +57,7 @@ def ring(b: Builder, m: Materials) -> None:
 
 
 def crowd(b: Builder, m: Materials) -> None:
-    """Seated spectators in coloured coats."""
+    """Add seated spectators in coloured coats."""
     rng = np.random.default_rng(3)
     body = lathe([(0.0, 0.86), (0.1, 0.84), (0.12, 0.72), (0.07, 0.66), (0.24, 0.56), (0.2, 0.0)], 7)
     for tier in range(6):
@@ -70,7 +70,7 @@ def crowd(b: Builder, m: Materials) -> None:
 
 
 def trim(b: Builder, m: Materials) -> None:
-    """Pillars with flags, boards on the wall, gates."""
+    """Add pillars with flags, boards on the wall, gates."""
     for k in range(16):
         a = 22.5 * k
         pillar = [
@@ -98,16 +98,16 @@ def trim(b: Builder, m: Materials) -> None:
             )
         else:
             for z in (-0.85, 0.85):
-                which = m.rules if (k + (z > 0)) % 5 == 0 else m.boards[(k + 2 * (z > 0)) % 4]
+                material = m.rules if (k + (z > 0)) % 5 == 0 else m.boards[(k + 2 * (z > 0)) % 4]
                 board = quad((-0.7, 0.7, 0), (1.4, 0, 0), (0, -1.4, 0)).turn_y(-90).shift(RADIUS - 0.16, 1.3, z)
-                b.put(board.turn_y(middle), which)
+                b.put(board.turn_y(middle), material)
                 rim = [box((0.08, 1.5, 0.06), (0, 0, s * 0.73)) for s in (-1, 1)]
                 rim += [box((0.08, 0.06, 1.5), (0, s * 0.73, 0)) for s in (-1, 1)]
                 b.put(join(rim).shift(RADIUS - 0.17, 1.3, z).turn_y(middle), m.oak)
 
 
 def obstacles(b: Builder, m: Materials) -> None:
-    """Broken columns, a dais in the middle, braziers, crates, barrels."""
+    """Add broken columns, a dais in the middle, braziers, crates, barrels."""
     for k, (radius, degrees) in enumerate(COLUMNS):
         tall = (2.6, 1.3, 3.1, 2.0, 1.0)[k]
         shaft = lathe([(0.0, tall + 0.05), (0.2, tall), (0.36, tall - 0.12), (0.38, 0.4)], 60, 20, 0.1)

@@ -1,4 +1,4 @@
-"""The atrium: the courtyard of a library, between two colonnades, open to the sky."""
+"""The built-in scene ``atrium``: the courtyard of a library, between two colonnades, open to the sky."""
 
 from supersampling.scenes.atrium.atrium import atrium
 

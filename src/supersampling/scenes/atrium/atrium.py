@@ -1,12 +1,14 @@
-"""The atrium: the courtyard of a library, between two colonnades, open to the sky."""
+"""The built-in scene ``atrium``: the courtyard of a library, between two colonnades, open to the sky."""
 
 import numpy as np
 
 from supersampling.scenes.atrium import parts
-from supersampling.scenes.atrium.materials import Palette, cell
+from supersampling.scenes.atrium.materials import Palette
 from supersampling.scenes.atrium.motion import movers
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.shapes import box, cylinder, lathe, panel, quad, tube
+from supersampling.scenes.kit.furniture import bookcase, framed_picture
+from supersampling.scenes.kit.routes import walk
+from supersampling.scenes.kit.shapes import atlas_cell, box, cylinder, lathe, panel, quad, tube
 from supersampling.scenes.scene import PointLight, Route, Scene, Sky, Sun
 
 LENGTH, WIDTH, HEIGHT = 22.0, 16.0, 7.0
@@ -17,7 +19,7 @@ LANTERNS = ((-8.4, 6.2), (0.0, -6.2), (8.4, 6.2))
 
 
 def _shell(b: Builder, p: Palette) -> None:
-    """Floors, walls, ceilings and roofs."""
+    """Add floors, walls, ceilings and roofs."""
     b.put(panel((-11, 0, -ROW), (LENGTH, 0, 0), (0, 0, 2 * ROW), (9, 22)), p.tiles)
     for side, turn in ((-1, 0), (1, 180)):
         b.put(panel((-11, 0, -8), (LENGTH, 0, 0), (0, 0, 3.5), (4, 22)).turn_y(turn), p.cobbles)
@@ -54,7 +56,7 @@ def _shell(b: Builder, p: Palette) -> None:
 
 
 def _colonnades(b: Builder, p: Palette) -> None:
-    """Columns, arches, railings and lattice screens; the bays at x = 0 and +-8.4 stay open."""
+    """Add columns, arches, railings and lattice screens; the bays at x = 0 and +-8.4 stay open."""
     shaft, mouldings, square = parts.column()
     wall, ring = parts.arch(TOP - parts.SPRING)
     for z in (-ROW, ROW):
@@ -77,10 +79,10 @@ def _colonnades(b: Builder, p: Palette) -> None:
 
 
 def _walls(b: Builder, p: Palette, rng: np.random.Generator) -> None:
-    """Bookcases, newspapers, posters and rules on the four walls, and the clock's face."""
-    cases = [parts.bookcase(rng) for _ in range(2)]
-    picture, frame = parts.framed(1.5, 1.5)
-    poster, poster_frame = parts.framed(1.0, 1.0)
+    """Add bookcases, newspapers, posters and rules on the four walls, and the clock's face."""
+    cases = [bookcase(rng) for _ in range(2)]
+    picture, frame = framed_picture(1.5, 1.5)
+    poster, poster_frame = framed_picture(1.0, 1.0)
     for turn in (0, 180):
         for k, x in enumerate(BAYS):
             if k % 2 == 0:
@@ -91,14 +93,14 @@ def _walls(b: Builder, p: Palette, rng: np.random.Generator) -> None:
                 b.put(poster_frame.shift(x, 3.9, -7.97).turn_y(turn), p.oak)
             else:
                 sheet = p.papers[(k // 2 + turn // 180) % 4]
-                for y, which in ((2.0, sheet), (3.8, p.papers[(k // 2 + 2) % 4])):
-                    b.put(picture.shift(x, y, -7.97).turn_y(turn), which)
+                for y, material in ((2.0, sheet), (3.8, p.papers[(k // 2 + 2) % 4])):
+                    b.put(picture.shift(x, y, -7.97).turn_y(turn), material)
                     b.put(frame.shift(x, y, -7.97).turn_y(turn), p.oak)
     for turn in (90, -90):
         for k, x in enumerate((-6.4, -3.2, -1.6, 1.6, 3.2, 6.4)):
             small = k in (0, 5)
-            which = p.notice if k == 4 else p.posters[(k + turn // 90) % 4] if k % 2 else p.papers[k // 2]
-            b.put((poster if small else picture).shift(x, 2.0, -10.97).turn_y(turn), which)
+            material = p.notice if k == 4 else p.posters[(k + turn // 90) % 4] if k % 2 else p.papers[k // 2]
+            b.put((poster if small else picture).shift(x, 2.0, -10.97).turn_y(turn), material)
             b.put((poster_frame if small else frame).shift(x, 2.0, -10.97).turn_y(turn), p.oak)
     for x in (-2.6, 2.6):
         b.put(picture.shift(x, 4.0, -10.97).turn_y(90), p.papers[3])
@@ -109,7 +111,7 @@ def _walls(b: Builder, p: Palette, rng: np.random.Generator) -> None:
 
 
 def _furniture(b: Builder, p: Palette, rng: np.random.Generator) -> None:
-    """Plants, benches, crates, cables, lanterns' rods, the statue's pedestal and the cart's rails."""
+    """Add plants, benches, crates, cables, lanterns' rods, the statue's pedestal and the cart's rails."""
     spots = [(x, -3.72) for x in (-7.0, -1.4, 1.4, 7.0)] + [(x, z) for x in (-10.3, 10.3) for z in (-7.3, 7.3)]
     spots += [(-10.2, -2.4), (-10.2, 2.4), (10.2, -2.4), (10.2, 2.4)]
     for k, (x, z) in enumerate(spots):
@@ -124,7 +126,7 @@ def _furniture(b: Builder, p: Palette, rng: np.random.Generator) -> None:
         ((-9.9, 3.5, 0), (-9.85, 3.52, 0.6), (9.9, -3.5, 0), (9.9, -3.55, 0.6), (9.3, 3.6, 0))
     ):
         crate = box((0.6, 0.6, 0.6), (0, 0.3, 0), fit=True)
-        b.put(crate.map_uv(*cell(4, 4, 3 * k)).turn_y(11 * k).shift(x, y, z), p.crates)
+        b.put(crate.map_uv(*atlas_cell(4, 4, 3 * k)).turn_y(11 * k).shift(x, y, z), p.crates)
     for x in (-7.0, -4.2, 4.2, 7.0):
         b.put(tube(parts.sagging((x, 4.86, -4.3), (x, 4.86, 4.3), 0.0), 0.012, 5), p.iron)
     for z in (-1.0, 1.0):
@@ -144,26 +146,25 @@ def _furniture(b: Builder, p: Palette, rng: np.random.Generator) -> None:
 
 
 def _routes() -> list[Route]:
-    """Two walks in each aisle, three in the court, one across both rows of columns."""
-    lines: list[tuple[str, list[tuple[float, float, float]], list[tuple[float, float, float]]]] = [
-        ("north aisle to the statue", [(-9, 1.65, -6.2), (5, 1.65, -6.2)], [(-5, 1.5, 0), (8, 1.6, 1)]),
-        ("north shelves", [(8.6, 1.6, -5.7), (-4, 1.6, -5.9)], [(5, 1.6, -8), (-7.6, 1.6, -8)]),
-        ("south aisle to the statue", [(-9, 1.7, 6.2), (6, 1.7, 6.2)], [(-4, 1.6, 0), (8, 1.8, -1)]),
-        ("south papers", [(8.8, 1.6, 5.7), (-4, 1.6, 5.8)], [(5, 1.9, 8), (-7.8, 1.9, 8)]),
-        ("court past the plants", [(-8.5, 1.75, -2.5), (4.5, 1.75, -2.5)], [(-4, 1.9, 5), (8, 2.0, 5)]),
-        (
+    """Return two walks in each aisle, three in the court, one across both rows of columns."""
+    return [
+        walk("north aisle to the statue", [(-9, 1.65, -6.2), (5, 1.65, -6.2)], [(-5, 1.5, 0), (8, 1.6, 1)]),
+        walk("north shelves", [(8.6, 1.6, -5.7), (-4, 1.6, -5.9)], [(5, 1.6, -8), (-7.6, 1.6, -8)]),
+        walk("south aisle to the statue", [(-9, 1.7, 6.2), (6, 1.7, 6.2)], [(-4, 1.6, 0), (8, 1.8, -1)]),
+        walk("south papers", [(8.8, 1.6, 5.7), (-4, 1.6, 5.8)], [(5, 1.9, 8), (-7.8, 1.9, 8)]),
+        walk("court past the plants", [(-8.5, 1.75, -2.5), (4.5, 1.75, -2.5)], [(-4, 1.9, 5), (8, 2.0, 5)]),
+        walk(
             "court by the statue",
             [(8.6, 1.6, 1.7), (0, 1.6, 1.75), (-4, 1.6, 1.6)],
             [(3, 1.9, -5), (-4, 1.9, -7), (-9, 1.9, -5)],
         ),
-        ("west end", [(-8.4, 1.7, 3.4), (-8.3, 1.7, -6.2)], [(0, 1.8, 2), (0, 2.0, -5)]),
-        ("across at the east", [(8.4, 1.65, 6.6), (8.4, 1.65, -6.4)], [(0, 1.7, 4), (0, 1.8, -8)]),
+        walk("west end", [(-8.4, 1.7, 3.4), (-8.3, 1.7, -6.2)], [(0, 1.8, 2), (0, 2.0, -5)]),
+        walk("across at the east", [(8.4, 1.65, 6.6), (8.4, 1.65, -6.4)], [(0, 1.7, 4), (0, 1.8, -8)]),
     ]
-    return [Route(name, np.array(points, np.float32), np.array(focus, np.float32)) for name, points, focus in lines]
 
 
 def atrium() -> Scene:
-    """The courtyard of a library, 22 x 16 x 7 m: fine print, thin iron and leaves, moving things, many occlusions."""
+    """Build the courtyard of a library, 22 x 16 x 7 m: fine print, thin iron and leaves, moving things, occlusions."""
     b, rng = Builder(), np.random.default_rng(7)
     p = Palette(b)
     _shell(b, p)

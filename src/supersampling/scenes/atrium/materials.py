@@ -3,65 +3,46 @@
 from typing import TypedDict, Unpack
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 from supersampling.scenes.atrium.parts import FLUTES, GIRTH
 from supersampling.scenes.kit import lettering, metal, textures
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.dials import clock_face
 from supersampling.scenes.scene import Material, Texture
 
 FRIEZES = ("LIGHT IS SAMPLED AND THE FRAME REMEMBERS", "WHAT THE EDGE HIDES THE MOTION SHOWS AGAIN")
 PAVINGS = ("STEP BY STEP THE GRID RESOLVES", "MIND THE ALIAS - FOLLOW THE LINE")
 BANNERS = ("FILTER", "VECTOR", "RASTER", "JITTER")
-POSTERS = (("MOIRE 1971", (232, 220, 190), (150, 30, 30)), ("LENS FAIR", (24, 46, 80), (240, 226, 180)),
-           ("EDGE & LINE", (226, 190, 70), (24, 24, 30)), ("NYQUIST", (40, 84, 60), (236, 232, 214)))  # fmt: skip
+POSTERS = (
+    ("MOIRE 1971", (232, 220, 190), (150, 30, 30)),
+    ("LENS FAIR", (24, 46, 80), (240, 226, 180)),
+    ("EDGE & LINE", (226, 190, 70), (24, 24, 30)),
+    ("NYQUIST", (40, 84, 60), (236, 232, 214)),
+)
 
 
 class Look(TypedDict, total=False):
-    """The fields of a `Material` that are not textures."""
+    """Fields of a `Material` that are not textures."""
 
     roughness: float
     metallic: float
     emission: tuple[float, float, float]
 
 
-def clock_face(size: int = 512) -> Texture:
-    """Clock dial with sixty ticks and twelve numbers."""
-    image = Image.new("RGB", (size, size), (238, 230, 208))
-    draw, c = ImageDraw.Draw(image), size / 2
-    for minute in range(60):
-        angle = 2 * np.pi * minute / 60
-        x, y = np.sin(angle), -np.cos(angle)
-        inner = 0.42 if minute % 5 == 0 else 0.445
-        ends = (c + size * inner * x, c + size * inner * y, c + size * 0.47 * x, c + size * 0.47 * y)
-        draw.line(ends, (20, 20, 24), 9 if minute % 5 == 0 else 3)
-        if minute % 5 == 0:
-            place = (c + size * 0.355 * x, c + size * 0.355 * y)
-            draw.text(
-                place,
-                str(minute // 5 or 12),
-                (20, 20, 24),
-                lettering.font(48, "DejaVuSerif-Bold"),
-                anchor="mm",
-            )
-    draw.text((c, size * 0.66), "RASTER & SONS", (70, 50, 30), lettering.font(22), anchor="mm")
-    return np.asarray(image)
-
-
-def _carved(text: str, seed: int) -> tuple[Texture, Texture, Texture]:
-    """A stone band, eight times as wide as high, with its text cut in."""
+def _inscribed_band(text: str, seed: int) -> textures.Maps:
+    """Draw a stone band, eight times as wide as high, with its text cut in."""
     albedo, height = lettering.inscription(text, 1024, 128, 36, seed)
     return albedo, textures.normals(height, 5.0), textures.surface(np.full((8, 8), 0.8))
 
 
-def _grooved(albedo: Texture, count: int) -> Texture:
-    """Darkens ``count`` upright grooves as the sky's light does that does not reach into them."""
+def _groove(albedo: Texture, count: int) -> Texture:
+    """Darken ``count`` upright grooves, into which the light of the sky does not reach."""
     across = np.arange(albedo.shape[1]) / albedo.shape[1] * count
     return textures.picture(albedo / 255 * (1 - 0.45 * (0.5 - 0.5 * np.cos(2 * np.pi * across)) ** 2)[:, None])
 
 
 class Palette:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the atrium, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -74,7 +55,7 @@ class Palette:
         self.brick = self._maps("brick", textures.bricks(1024, 24, 8, red, 1), 2.0)
         column = textures.stone(512, 2, pale, 2)
         self.column = self._maps("column stone", column, 1.3)
-        self.shaft = self._maps("fluted stone", (_grooved(column[0], FLUTES), *column[1:]), GIRTH)
+        self.shaft = self._maps("fluted stone", (_groove(column[0], FLUTES), *column[1:]), GIRTH)
         self.clay = self._maps("clay", textures.rough(512, 17, [(0.38, 0.16, 0.1), (0.8, 0.47, 0.32)]), 0.5)
         self.ashlar = self._maps("ashlar", textures.stone(512, 3, ochre, 4), 2.0)
         self.tiles = self._maps("tiles", textures.floor_tiles(768, 6, marble, 4), 3.0)
@@ -93,10 +74,14 @@ class Palette:
         self.notice = self._flat("library rules", lettering.notice(5, "LIBRARY RULES", (236, 230, 212), (30, 40, 70)))
         self.spines = self._flat("book spines", lettering.spines(3), roughness=0.6)
         self.crates = self._flat("crate labels", lettering.label_sheet(6))
-        self.friezes = [self._maps(f"frieze {k}", _carved(t, 30 + k), 1.0) for k, t in enumerate(FRIEZES)]
-        self.pavings = [self._maps(f"paving {k}", _carved(t, 40 + k), 1.0) for k, t in enumerate(PAVINGS)]
-        cloth = [((130, 28, 34), (240, 214, 140)), ((26, 54, 96), (236, 228, 206)), ((222, 200, 140), (70, 24, 30)),
-                 ((34, 82, 62), (238, 214, 150))]  # fmt: skip
+        self.friezes = [self._maps(f"frieze {k}", _inscribed_band(t, 30 + k), 1.0) for k, t in enumerate(FRIEZES)]
+        self.pavings = [self._maps(f"paving {k}", _inscribed_band(t, 40 + k), 1.0) for k, t in enumerate(PAVINGS)]
+        cloth = [
+            ((130, 28, 34), (240, 214, 140)),
+            ((26, 54, 96), (236, 228, 206)),
+            ((222, 200, 140), (70, 24, 30)),
+            ((34, 82, 62), (238, 214, 150)),
+        ]
         self.banners = [
             self._flat(f"banner {k}", lettering.banner(20 + k, *cloth[k], word)) for k, word in enumerate(BANNERS)
         ]
@@ -111,7 +96,7 @@ class Palette:
         self.mesh = self._cut("wire mesh", textures.lattice(512, 12, 0.22, (0.3, 0.3, 0.32), 15))
         self.glow = self._flat("lantern glass", metal.embers(256, 16)[0], emission=(5.0, 3.6, 2.0))
 
-    def _maps(self, name: str, maps: tuple[Texture, Texture, Texture], tile: float) -> int:
+    def _maps(self, name: str, maps: textures.Maps, tile: float) -> int:
         material = Material(name, *maps, roughness=1.0, metallic=1.0)
         return self._builder.material(material, tile)
 
@@ -120,8 +105,3 @@ class Palette:
 
     def _cut(self, name: str, albedo: Texture) -> int:
         return self._builder.material(Material(name, albedo, alpha="test", double_sided=True))
-
-
-def cell(columns: int, rows: int, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
-    """uv scale and offset of one cell of an atlas."""
-    return (1 / columns, 1 / rows), ((index % columns) / columns, (index // columns % rows) / rows)

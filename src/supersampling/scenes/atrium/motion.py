@@ -1,12 +1,14 @@
-"""What moves in the atrium: banners, the armillary sphere, kiosks, the cart, a lantern and the clocks' hands."""
+"""Moving parts of the atrium: banners, the armillary sphere, kiosks, the cart, a lantern and the clocks' hands."""
 
 import numpy as np
 
 from supersampling.scenes.atrium import parts
 from supersampling.scenes.atrium.materials import Palette
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import bookcase
 from supersampling.scenes.kit.motion import chain, rotation, shuttle, spin, sway
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, grid, join, lathe, quad, sphere
+from supersampling.scenes.kit.wheels import hoop, wheel
 
 WHEEL = 0.2  # radius of the cart's wheels, metres
 TRACK = 6.5  # the cart runs between x = -TRACK and TRACK
@@ -14,7 +16,7 @@ CART_HERTZ = 0.04
 
 
 def movers(b: Builder, p: Palette) -> None:
-    """Adds all moving objects."""
+    """Add all moving objects."""
     _banners(b, p)
     _sphere(b, p)
     _kiosks(b, p)
@@ -25,7 +27,7 @@ def movers(b: Builder, p: Palette) -> None:
 
 
 def _banners(b: Builder, p: Palette) -> None:
-    """Cloths on the cables across the court, printed on both sides."""
+    """Add cloths on the cables across the court, printed on both sides."""
     front = quad((-0.35, -0.03, 0.008), (0.7, 0, 0), (0, -2.1, 0), (4, 1))
     cloth = join([front, front.turn_y(180)])
     bars = join([box((0.78, 0.05, 0.05), (0, -0.03, 0)), box((0.74, 0.04, 0.04), (0, -2.13, 0))])
@@ -36,18 +38,18 @@ def _banners(b: Builder, p: Palette) -> None:
 
 
 def _sphere(b: Builder, p: Palette) -> None:
-    """Armillary sphere: an outer cage that turns, and rings and a globe that turn inside it."""
-    meridian, inner = parts.hoop(0.85, 0.05, 0.08), parts.hoop(0.66, 0.04, 0.06)
+    """Add an armillary sphere: an outer cage that turns, and rings and a globe that turn inside it."""
+    meridian, inner = hoop(0.85, 0.05, 0.08), hoop(0.66, 0.04, 0.06)
     flat = rotation((1, 0, 0), np.pi / 2)
-    outer = join([meridian, meridian.turn_y(90), meridian.at(flat)])
+    outer = join([meridian, meridian.turn_y(90), meridian.transform(flat)])
     b.move([(outer, p.brass)], spin((0, 2.4, 0), (0, 1, 0), 0.11))
-    core = join([inner, inner.at(flat), beam((0, -0.64, 0), (0, 0.64, 0), 0.02)])
+    core = join([inner, inner.transform(flat), beam((0, -0.64, 0), (0, 0.64, 0), 0.02)])
     turn = chain(spin((0, 2.4, 0), (0.35, 1, 0), -0.17), spin((0, 0, 0), (1, 0, 0.4), 0.09))
     b.move([(core, p.brass), (sphere(0.26, 32), p.cart)], turn)
 
 
 def _kiosks(b: Builder, p: Palette) -> None:
-    """Turning round pillars pasted with four sheets each."""
+    """Add round pillars that turn, pasted with four sheets each."""
     cap = join([lathe([(0.05, 2.75), (0.12, 2.7), (0.5, 2.5), (0.6, 2.48), (0.6, 2.4), (0.0, 2.4)], 24)])
     foot = lathe([(0.52, 0.5), (0.52, 0.28)], 32)
     for k, x in enumerate((-5.8, 5.8)):
@@ -60,7 +62,7 @@ def _kiosks(b: Builder, p: Palette) -> None:
 
 
 def _arc(radius: float, start: float, height: float = 0.95) -> Shape:
-    """A quarter of a cylinder with uv from 0 to 1."""
+    """Return a quarter of a cylinder with uv from 0 to 1."""
     u = np.linspace(0, 1, 13)
     angle = start + u * np.pi / 2
     ring = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], 1)
@@ -70,9 +72,9 @@ def _arc(radius: float, start: float, height: float = 0.95) -> Shape:
 
 
 def _cart(b: Builder, p: Palette) -> None:
-    """Book cart on rails; its wheels roll."""
+    """Add a book cart on rails; its wheels roll."""
     ends = (-TRACK, WHEEL + 0.02, 2.9), (TRACK, WHEEL + 0.02, 2.9)
-    wood, books = parts.bookcase(np.random.default_rng(3), 1.2, 2)
+    wood, books = bookcase(np.random.default_rng(3), 1.2, 2)
     body = [
         box((1.5, 0.12, 0.5), (0, 0.12, 0)),
         box((0.06, 0.1, 0.5), (-0.72, 0.23, 0)),
@@ -82,7 +84,7 @@ def _cart(b: Builder, p: Palette) -> None:
     handle = join([beam((x, 0.2, 0), (x, 1.1, 0), 0.03) for x in (-0.74, 0.74)])
     trip = shuttle(*ends, CART_HERTZ)
     b.move([(join(body), p.cart), (handle, p.iron), *sides], trip)
-    tyre, hub = parts.wheel(WHEEL)
+    tyre, hub = wheel(WHEEL)
     pair = [(s.shift(0, 0, z), m) for z in (-0.28, 0.28) for s, m in ((tyre, p.brass), (hub, p.iron))]
     for x in (-0.5, 0.5):
         roll = sway((x, 0, 0), (0, 0, 1), -np.degrees(TRACK / WHEEL), CART_HERTZ, -np.pi / 2)
@@ -90,10 +92,10 @@ def _cart(b: Builder, p: Palette) -> None:
 
 
 def _clocks(b: Builder, p: Palette) -> None:
-    """Two hands on the clocks of both end walls."""
+    """Add two hands on the clocks of both end walls."""
     for side in (-1, 1):
         for length, width, hertz, out in ((0.62, 0.05, 0.12, 0.03), (0.42, 0.08, 0.01, 0.015)):
             hand = box((width, length, 0.012), (0, length / 2 - 0.08, out))
-            knob = cylinder(0.05, 0.03, 12).at(rotation((1, 0, 0), np.pi / 2)).shift(0, 0, out)
-            moved = join([hand, knob]).turn_y(-90 * side)
-            b.move([(moved, p.iron)], spin((side * 10.9, 3.9, 0), (-side, 0, 0), -hertz))
+            knob = cylinder(0.05, 0.03, 12).transform(rotation((1, 0, 0), np.pi / 2)).shift(0, 0, out)
+            shape = join([hand, knob]).turn_y(-90 * side)
+            b.move([(shape, p.iron)], spin((side * 10.9, 3.9, 0), (-side, 0, 0), -hertz))

@@ -15,10 +15,18 @@ GIRTH = 2 * np.pi * sum(radius for radius, _ in _SHAFT) / len(_SHAFT)  # what a 
 
 
 def column() -> tuple[Shape, Shape, Shape]:
-    """Fluted shaft; mouldings; square plinth and abacus."""
+    """Return the fluted shaft, the mouldings, and the square plinth and abacus."""
     bulge = [(0.35 + 0.09 * np.sin(a), 0.36 + 0.07 * np.cos(a)) for a in np.linspace(0.2, np.pi - 0.2, 6)]
-    bell = [(0.4, SPRING - 0.14), (0.4, SPRING - 0.2), (0.37, SPRING - 0.27), (0.3, SPRING - 0.36), (0.27, SPRING - 0.42),
-            (0.31, SPRING - 0.44), (0.31, SPRING - 0.48), (0.265, SPRING - 0.5)]  # fmt: skip
+    bell = [
+        (0.4, SPRING - 0.14),
+        (0.4, SPRING - 0.2),
+        (0.37, SPRING - 0.27),
+        (0.3, SPRING - 0.36),
+        (0.27, SPRING - 0.42),
+        (0.31, SPRING - 0.44),
+        (0.31, SPRING - 0.48),
+        (0.265, SPRING - 0.5),
+    ]
     shaft = lathe(_SHAFT, 100, FLUTES, 0.12)
     rings = [lathe(bell, 32), lathe([(0.33, 0.46), *bulge, (0.42, 0.28), (0.42, 0.2)], 32)]
     leaves = [
@@ -34,7 +42,7 @@ def column() -> tuple[Shape, Shape, Shape]:
 
 
 def arch(height: float) -> tuple[Shape, Shape]:
-    """Spandrel wall of one bay up to ``height`` above the springing, and the moulded ring of voussoirs."""
+    """Return a spandrel wall of one bay up to ``height`` above the springing, and the moulded ring of voussoirs."""
     half, radius = BAY / 2, 1.03
     angle = np.linspace(0, np.pi, 25)
     inner = np.stack([radius * np.cos(angle), radius * np.sin(angle)], 1)
@@ -44,50 +52,15 @@ def arch(height: float) -> tuple[Shape, Shape]:
     ring = plate(inner * 1.16, inner * 0.985, 0.62)
     key = box((0.22, 0.42, 0.7), (0, radius + 0.12, 0))
     teeth = [
-        box((0.1, 0.07, 0.66), (0, radius * 1.16, 0)).at(rotation((0, 0, 1), a - np.pi / 2))
+        box((0.1, 0.07, 0.66), (0, radius * 1.16, 0)).transform(rotation((0, 0, 1), a - np.pi / 2))
         for a in angle[1:-1:2]
         if abs(a - np.pi / 2) > 0.15
     ]
     return wall.shift(0, SPRING, 0), join([ring, key, *teeth]).shift(0, SPRING, 0)
 
 
-def bookcase(rng: np.random.Generator, width: float = 2.3, shelves: int = 7) -> tuple[Shape, Shape]:
-    """Wooden case against a wall at z = 0, and its books, whose uv point into the atlas of spines (16 x 4)."""
-    pitch, depth = 0.38, 0.36
-    top = shelves * pitch + 0.12
-    wood = [box((0.06, top, depth), (side * (width / 2 + 0.03), top / 2, depth / 2)) for side in (-1, 1)]
-    wood += [box((width, 0.035, depth), (0, 0.1 + k * pitch, depth / 2)) for k in range(shelves + 1)]
-    wood += [
-        box((width, top, 0.02), (0, top / 2, 0.01)),
-        box((width + 0.24, 0.09, depth + 0.08), (0, top + 0.04, depth / 2)),
-    ]
-    unit = box((1, 1, 1), faces=("front", "left", "right", "top"), fit=True)
-    scale = np.where(np.arange(16)[:, None] < 4, 1.0, 0.12)  # covers repeat the spine's corner
-    books = []
-    for k in range(shelves):
-        x = -width / 2 + 0.01
-        while x < width / 2 - 0.08:
-            thick, tall, deep = rng.uniform(0.028, 0.07), rng.uniform(0.23, 0.33), rng.uniform(0.2, 0.29)
-            middle = [x + thick / 2, 0.118 + k * pitch + tall / 2, deep / 2 + 0.03]
-            at = rng.integers(64)
-            positions = unit.positions * [thick - 0.003, tall, deep] + middle
-            books.append(
-                Shape(positions, unit.normals, (unit.uv * scale + [at % 16, at // 16]) / [16, 4], unit.triangles)
-            )
-            x += thick + (rng.uniform(0.05, 0.2) if rng.random() < 0.06 else 0)
-    return join(wood), join(books)
-
-
-def framed(width: float, height: float) -> tuple[Shape, Shape]:
-    """Picture of a size, its middle at the origin against a wall at z = 0, and its frame."""
-    picture = quad((-width / 2, height / 2, 0.03), (width, 0, 0), (0, -height, 0))
-    bars = [box((0.05, height + 0.1, 0.05), (side * (width / 2 + 0.025), 0, 0.025)) for side in (-1, 1)]
-    bars += [box((width, 0.05, 0.05), (0, side * (height / 2 + 0.025), 0.025)) for side in (-1, 1)]
-    return picture, join(bars)
-
-
 def railing(width: float, height: float = 1.0) -> Shape:
-    """Iron railing with rings between its balusters."""
+    """Return an iron railing with rings between its balusters."""
     count = int(width / 0.12)
     xs = np.linspace(-width / 2, width / 2, count + 1)
     bars = [beam((x, 0, 0), (x, height, 0), 0.018) for x in xs]
@@ -107,7 +80,7 @@ def railing(width: float, height: float = 1.0) -> Shape:
 
 
 def screen(width: float, height: float) -> tuple[Shape, Shape]:
-    """Lattice panel (uv in metres) and the wooden frame that holds it."""
+    """Return a lattice panel (uv in metres) and the wooden frame that holds it."""
     panel = quad((-width / 2, height, 0), (width, 0, 0), (0, 0.15 - height, 0)).map_uv((width, height))
     posts = [box((0.09, height + 0.12, 0.09), (x, height / 2 + 0.06, 0)) for x in (-width / 2, 0, width / 2)]
     rails = [box((width, 0.08, 0.07), (0, y, 0)) for y in (0.12, height)]
@@ -115,7 +88,7 @@ def screen(width: float, height: float) -> tuple[Shape, Shape]:
 
 
 def plant(rng: np.random.Generator, height: float = 1.1) -> tuple[Shape, Shape, Shape]:
-    """Pot, soil with stems, and cards of foliage."""
+    """Return a pot, soil with stems, and cards of foliage."""
     pot = lathe([(0.24, 0.5), (0.32, 0.5), (0.33, 0.44), (0.29, 0.42), (0.3, 0.25), (0.2, 0.04), (0.22, 0.0)], 24)
     soil = [lathe([(0, 0.47), (0.27, 0.46)], 16)]
     cards = []
@@ -126,14 +99,14 @@ def plant(rng: np.random.Generator, height: float = 1.1) -> tuple[Shape, Shape, 
             (0.5, 0.5), (k % 4 * 0.25, k % 3 * 0.3)
         )
         base = np.array([0.0, rng.uniform(0.5, height - 0.3), 0.0])
-        cards.append(card.at(rotation((0, 1, 0), turn) @ rotation((1, 0, 0), lean)).shift(*base))
+        cards.append(card.transform(rotation((0, 1, 0), turn) @ rotation((1, 0, 0), lean)).shift(*base))
         if k % 4 == 0:
             soil.append(beam((0, 0.46, 0), (0.12 * np.sin(turn), height, 0.12 * np.cos(turn)), 0.018))
     return pot, join(soil), join(cards)
 
 
 def bench() -> tuple[Shape, Shape]:
-    """Stone feet and slats."""
+    """Return stone feet and slats."""
     feet = join([box((0.14, 0.42, 0.46), (x, 0.21, 0)) for x in (-0.8, 0.8)])
     slats = [box((2.0, 0.04, 0.09), (0, 0.44, z)) for z in (-0.2, -0.1, 0.0, 0.1, 0.2)]
     slats += [box((2.0, 0.09, 0.03), (0, y, -0.24)) for y in (0.6, 0.72, 0.84)]
@@ -142,7 +115,7 @@ def bench() -> tuple[Shape, Shape]:
 
 
 def lantern() -> tuple[Shape, Shape]:
-    """Iron cage of a lantern that hangs from the origin by ``1 m`` of chain, and its glass."""
+    """Return the iron cage of a lantern that hangs from the origin by ``1 m`` of chain, and its glass."""
     cage = [beam((x, -1.42, z), (x, -1.0, z), 0.025) for x in (-0.13, 0.13) for z in (-0.13, 0.13)]
     cage += [box((0.32, 0.04, 0.32), (0, y, 0)) for y in (-1.0, -1.42)]
     cage += [lathe([(0.02, -0.82), (0.2, -0.98)], 8), cylinder(0.012, 0.84, 6).shift(0, -0.42, 0)]
@@ -150,27 +123,8 @@ def lantern() -> tuple[Shape, Shape]:
     return join(cage), box((0.24, 0.36, 0.24), (0, -1.21, 0), ("front", "back", "left", "right"), True)
 
 
-def hoop(radius: float, thick: float, wide: float) -> Shape:
-    """Flat ring about z, with a graduation on its outside every six degrees."""
-    circle = np.linspace(0, 2 * np.pi, 61)[:-1]
-    mark = box((0.012, 0.012, wide + 0.01), (radius + 0.004, 0, 0))
-    return join([_ring(radius, thick, wide), *(mark.at(rotation((0, 0, 1), a)) for a in circle)])
-
-
-def _ring(radius: float, thick: float, wide: float) -> Shape:
-    circle = np.linspace(0, 2 * np.pi, 61)[:-1]
-    rim = np.stack([np.cos(circle), np.sin(circle)], 1)
-    return plate(rim * radius, rim * (radius - thick), wide, True)
-
-
-def wheel(radius: float) -> tuple[Shape, Shape]:
-    """Tyre with spokes about z; hub."""
-    spokes = [beam((0, 0, 0), (radius * np.cos(a), radius * np.sin(a), 0), 0.025) for a in np.arange(10) * np.pi / 5]
-    return join([_ring(radius, 0.04, 0.06), *spokes]), cylinder(0.05, 0.12, 10).at(rotation((1, 0, 0), np.pi / 2))
-
-
 def sagging(a: Sequence[float], b: Sequence[float], sag: float) -> Floats:
-    """Points of a cable from ``a`` to ``b`` that hangs through by ``sag``."""
+    """Return the points of a cable from ``a`` to ``b`` that sags by ``sag``."""
     t = np.linspace(0, 1, 17)[:, None]
     line = (1 - t) * np.asarray(a, float) + t * np.asarray(b, float)
     line[:, 1] -= (4 * sag * t * (1 - t))[:, 0]

@@ -33,7 +33,7 @@ _MARTINI = (
 
 
 def booths(b: Builder, p: Palette) -> None:
-    """Benches along the south wall with tables, a lamp over each."""
+    """Add benches along the south wall with tables, a lamp over each."""
     soft, hard = parts.bench(2.3)
     for k, x in enumerate(BOOTHS):
         b.put(soft.turn_y(180).shift(x, 0, 4.95), p.teal)
@@ -45,7 +45,7 @@ def booths(b: Builder, p: Palette) -> None:
 
 
 def _table(b: Builder, p: Palette, x: float, z: float, seed: int) -> None:
-    """Table with a candle, two glasses and one or two chairs around it."""
+    """Add a table with a candle, two glasses and one or two chairs around it."""
     rng = np.random.default_rng(abs(seed))
     top, foot = parts.table()
     b.put(top.shift(x, 0, z), (p.black, p.top, p.ruby)[seed % 3])
@@ -71,7 +71,7 @@ def _table(b: Builder, p: Palette, x: float, z: float, seed: int) -> None:
 
 
 def columns(b: Builder, p: Palette) -> None:
-    """Columns of glazed tiles with brass edges."""
+    """Add columns of glazed tiles with brass edges."""
     for x, z in COLUMNS:
         b.put(box((0.45, 3.2, 0.45), (x, 1.8, z), ("front", "back", "left", "right")), p.dark_tiles)
         for y, wide, tall in ((0.1, 0.56, 0.2), (3.5, 0.6, 0.2)):
@@ -84,7 +84,7 @@ def columns(b: Builder, p: Palette) -> None:
 
 
 def stage(b: Builder, p: Palette) -> None:
-    """Low round stage in the south-east corner with a grand piano and its stool."""
+    """Add a low round stage in the south-east corner with a grand piano and its stool."""
     line = forms.rounded([(8.0, -0.2), (4.3, -0.2), (4.3, 5.0)][::-1], 1.6)
     b.put(
         forms.sweep(line[::-1], [(0.0, 0.2), (0.02, 0.19), (0.02, 0.17), (0.0, 0.16), (0.0, 0.0)]),
@@ -106,17 +106,17 @@ def stage(b: Builder, p: Palette) -> None:
 
 
 def _piano(p: Palette) -> list[tuple[Shape, int]]:
-    """Grand piano with its lid open; the keys look along +z."""
+    """Return a grand piano with its lid open; the keys look along +z."""
     flat = rotation((1, 0, 0), -np.pi / 2)
     right = forms.rounded([(0.75, -0.62), (0.75, 0.1), (0.2, 0.45), (0.25, 1.05), (-0.5, 1.05)], 0.28, 6)
     left = np.stack([np.full(len(right), -0.75), np.linspace(-0.62, 1.0, len(right))], 1)
-    body, lid = plate(right, left, 0.28).at(flat).shift(0, 0.82, 0), plate(right, left, 0.025).at(flat)
-    lid = lid.shift(0.75, 0, 0).at(rotation((0, 0, 1), 0.6)).shift(-0.75, 0.99, 0)
+    body, lid = plate(right, left, 0.28).transform(flat).shift(0, 0.82, 0), plate(right, left, 0.025).transform(flat)
+    lid = lid.shift(0.75, 0, 0).transform(rotation((0, 0, 1), 0.6)).shift(-0.75, 0.99, 0)
     black = [body, lid, beam((0.66, 0.96, 0.0), (0.5, 1.84, 0.0), 0.02)]
     black += [box((1.5, 0.06, 0.3), (0, 0.66, 0.76)), box((1.5, 0.26, 0.06), (0, 0.83, 0.6))]
     black += [box((0.09, 0.16, 0.3), (s * 0.705, 0.75, 0.76)) for s in (-1, 1)]
     leg = lathe([(0.07, 0.7), (0.04, 0.5), (0.06, 0.42), (0.035, 0.1), (0.05, 0.06), (0.03, 0)], 16)
-    black += [leg.shift(*at) for at in ((-0.62, 0, 0.6), (0.62, 0, 0.6), (-0.4, 0, -0.75))]
+    black += [leg.shift(*place) for place in ((-0.62, 0, 0.6), (0.62, 0, 0.6), (-0.4, 0, -0.75))]
     gold = panel((-0.7, 0.962, -0.9), (1.0, 0, 0), (0, 0, 1.4))
     keys = [box((0.024, 0.02, 0.15), (x, 0.7, 0.82)) for x in np.linspace(-0.63, 0.63, 50)]
     sharps = [
@@ -128,13 +128,13 @@ def _piano(p: Palette) -> list[tuple[Shape, int]]:
         cylinder(0.02, 0.62, 8).shift(0, 0.37, 0.36)
     ]
     music = quad((-0.4, 1.2, 0.5), (0.8, 0, 0), (0, -0.22, 0.06))
-    parts_of = [(s, p.black) for s in (*black, *sharps, music, music.turn_y(180).shift(0, 0, 1.06))]
-    parts_of += [(s, p.cream) for s in keys] + [(s, p.brass) for s in pedals]
-    return [*parts_of, (gold, p.brass)]
+    pieces = [(s, p.black) for s in (*black, *sharps, music, music.turn_y(180).shift(0, 0, 1.06))]
+    pieces += [(s, p.cream) for s in keys] + [(s, p.brass) for s in pedals]
+    return [*pieces, (gold, p.brass)]
 
 
 def neons(b: Builder, p: Palette) -> None:
-    """Neon over the booths and on the east wall, lit signs on the walls."""
+    """Add neon over the booths and on the east wall, lit signs on the walls."""
     martini = forms.neon(_MARTINI)
     olive = forms.neon(
         [(0.06 * np.sin(a) + 0.06, 0.22 + 0.06 * np.cos(a)) for a in np.arange(12) * np.pi / 6], closed=True
@@ -171,7 +171,7 @@ def neons(b: Builder, p: Palette) -> None:
 
 
 def movers(b: Builder, p: Palette) -> None:
-    """Two ceiling fans, a turning light box, a mirror ball and lamps that sway."""
+    """Add two ceiling fans, a turning light box, a mirror ball and lamps that sway."""
     wood, brass = parts.fan(5, 0.75)
     for x, z, hertz in ((-4.4, 0.6, 0.45), (1.2, 0.6, -0.38)):
         b.put(cylinder(0.02, 0.4, 10).shift(x, 3.4, z), p.brass)
@@ -190,7 +190,7 @@ def movers(b: Builder, p: Palette) -> None:
 
 
 def sconces(b: Builder, p: Palette) -> None:
-    """Wall lamps: brass bracket and a glowing cup."""
+    """Add wall lamps: brass bracket and a glowing cup."""
     cup = lathe([(0, 0.02), (0.05, 0.1), (0.056, 0.1), (0.05, 0.02), (0.03, -0.02), (0, -0.04)], 12).shift(
         0, 0.03, 0.13
     )
@@ -206,7 +206,7 @@ def sconces(b: Builder, p: Palette) -> None:
 
 
 def globes(b: Builder, p: Palette) -> None:
-    """Opal globes under the beams, over the aisles."""
+    """Add opal globes under the beams, over the aisles."""
     for x, z in GLOBES:
         b.put(sphere(0.11, 14).shift(x, 2.9, z), p.opal)
         b.put(
@@ -216,7 +216,7 @@ def globes(b: Builder, p: Palette) -> None:
 
 
 def jukebox(b: Builder, p: Palette) -> None:
-    """Jukebox in the north-west corner: an arch of lacquer, glowing tubes and onyx."""
+    """Add a jukebox in the north-west corner: an arch of lacquer, glowing tubes and onyx."""
     angle = np.linspace(0, np.pi, 19)
 
     def arch(radius: float, foot: float) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from supersampling.scenes.bar import textures as tex
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.textures import Maps
 from supersampling.scenes.scene import Material, Texture
 
 Color = tuple[float, float, float]
@@ -9,16 +10,16 @@ NEON: dict[str, Color] = {"pink": (3.0, 0.12, 0.75), "cyan": (0.08, 1.9, 2.7), "
 
 
 class Palette:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the bar, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
         self._patterned()
-        self._plain_ones()
+        self._lacquers()
         self._glowing()
 
     def _patterned(self) -> None:
-        """Stone, tiles, wood, metal, leather and wall covering."""
+        """Add stone, tiles, wood, metal, leather and wall covering."""
         brass = [(0.62, 0.44, 0.16), (0.87, 0.68, 0.34), (0.97, 0.84, 0.55)]
         steel = [(0.62, 0.62, 0.64), (0.82, 0.82, 0.83), (0.93, 0.93, 0.92)]
         copper = [(0.6, 0.3, 0.18), (0.86, 0.5, 0.33), (0.96, 0.68, 0.5)]
@@ -58,8 +59,8 @@ class Palette:
         )
         self.labels = self._builder.material(Material("labels", tex.labels(5), roughness=0.35))
 
-    def _plain_ones(self) -> None:
-        """Lacquer and bottle glass, which shines through a little."""
+    def _lacquers(self) -> None:
+        """Add lacquer and bottle glass, which shines through a little."""
         self.black = self._plain("black lacquer", (0.022, 0.02, 0.024), 0.1)
         self.cream = self._plain("cream lacquer", (0.66, 0.58, 0.44), 0.16)
         self.ruby = self._plain("ruby lacquer", (0.36, 0.02, 0.03), 0.12)
@@ -76,7 +77,7 @@ class Palette:
         )
 
     def _glowing(self) -> None:
-        """The window, lit onyx and signs, neon, lamps."""
+        """Add the window, lit onyx and signs, neon, lamps."""
         self.onyx = self._maps("onyx", tex.onyx(512, 121), 1.8, (1.1, 0.95, 0.8))
         self.town = self._builder.material(
             Material("window", tex.night_town(1024, 288, 6), roughness=0.12, emission=(1.1, 1.1, 1.25))
@@ -96,7 +97,7 @@ class Palette:
         self.candle = self._plain("candle glass", (0.7, 0.3, 0.1), 0.12, (2.6, 1.1, 0.25))
         self.strip = self._plain("shelf light", (0.9, 0.8, 0.6), 0.2, (4.0, 2.9, 1.6))
 
-    def _maps(self, name: str, maps: tex.Maps, tile: float, emission: Color = (0.0, 0.0, 0.0)) -> int:
+    def _maps(self, name: str, maps: Maps, tile: float, emission: Color = (0.0, 0.0, 0.0)) -> int:
         albedo, normal, surface = maps
         material = Material(name, albedo, normal, surface, roughness=1.0, metallic=1.0, emission=emission)
         return self._builder.material(material, tile)

@@ -9,8 +9,10 @@ from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, la
 # Profiles (radius, y) of bottles, from the cork down.
 _BOTTLES = (
     ((0, 0.32), (0.014, 0.32), (0.014, 0.28), (0.013, 0.24), (0.02, 0.21), (0.036, 0.185), (0.038, 0.02), (0.034, 0)),
-    ((0, 0.3), (0.017, 0.3), (0.017, 0.265), (0.014, 0.26), (0.014, 0.22), (0.045, 0.2), (0.047, 0.19), (0.047, 0.01), (0.04, 0)),
-    ((0, 0.28), (0.024, 0.28), (0.026, 0.25), (0.015, 0.235), (0.014, 0.2), (0.03, 0.17), (0.055, 0.1), (0.058, 0.04), (0.04, 0)),
+    ((0, 0.3), (0.017, 0.3), (0.017, 0.265), (0.014, 0.26), (0.014, 0.22), (0.045, 0.2), (0.047, 0.19), (0.047, 0.01),
+     (0.04, 0)),
+    ((0, 0.28), (0.024, 0.28), (0.026, 0.25), (0.015, 0.235), (0.014, 0.2), (0.03, 0.17), (0.055, 0.1), (0.058, 0.04),
+     (0.04, 0)),
     ((0, 0.36), (0.012, 0.36), (0.012, 0.31), (0.014, 0.26), (0.026, 0.2), (0.032, 0.14), (0.032, 0.01), (0.028, 0)),
     ((0, 0.26), (0.026, 0.26), (0.026, 0.225), (0.016, 0.22), (0.016, 0.19), (0.056, 0.17), (0.058, 0.01), (0.05, 0)),
 )  # fmt: skip
@@ -18,13 +20,13 @@ _LABELS = ((0.038, 0.06, 0.15), (0.0475, 0.05, 0.16), None, (0.0325, 0.03, 0.11)
 _GLASSES = (
     ((0.001, 0.1), (0.05, 0.165), (0.052, 0.167), (0.005, 0.092), (0.004, 0.012), (0.036, 0.004), (0.037, 0)),
     ((0.001, 0.012), (0.03, 0.014), (0.036, 0.1), (0.038, 0.1), (0.033, 0)),
-    ((0.001, 0.09), (0.024, 0.1), (0.034, 0.13), (0.028, 0.19), (0.03, 0.19), (0.036, 0.13), (0.024, 0.09), (0.004, 0.08),
-     (0.004, 0.01), (0.034, 0.004), (0.035, 0)),
+    ((0.001, 0.09), (0.024, 0.1), (0.034, 0.13), (0.028, 0.19), (0.03, 0.19), (0.036, 0.13), (0.024, 0.09),
+     (0.004, 0.08), (0.004, 0.01), (0.034, 0.004), (0.035, 0)),
 )  # fmt: skip
 
 
 def bottle(kind: int, cell: int) -> tuple[Shape, Shape | None]:
-    """Glass, and its label that shows a cell of the 4 x 4 sheet (uv in texture units)."""
+    """Return the glass, and its label that shows a cell of the 4 x 4 sheet (uv in texture units)."""
     band = _LABELS[kind]
     if band is None:
         return lathe(_BOTTLES[kind], 9), None
@@ -40,7 +42,7 @@ def drinking_glass(kind: int) -> Shape:
 
 
 def stool() -> tuple[Shape, Shape, Shape]:
-    """Bar stool: chrome foot and stem, brass ring, round seat."""
+    """Return the chrome foot and stem of a bar stool, its brass ring and its round seat."""
     stem = [
         (0.0, 0.7),
         (0.12, 0.69),
@@ -64,7 +66,7 @@ def stool() -> tuple[Shape, Shape, Shape]:
 
 
 def table(radius: float = 0.42, height: float = 0.74) -> tuple[Shape, Shape]:
-    """Round table: lacquered top; brass rim and pedestal."""
+    """Return the lacquered top of a round table, and its brass rim and pedestal."""
     top = lathe([(0, height), (radius - 0.01, height), (radius, height - 0.008)], 32)
     # A lathe's uv suit walls; a top is mapped from above.
     top = Shape(top.positions, top.normals, top.positions[:, [0, 2]], top.triangles)
@@ -87,7 +89,7 @@ def table(radius: float = 0.42, height: float = 0.74) -> tuple[Shape, Shape]:
 
 
 def chair() -> tuple[Shape, Shape]:
-    """Bentwood chair: black frame; upholstered seat."""
+    """Return the black frame of a bentwood chair, and its upholstered seat."""
     angle = np.linspace(0, np.pi, 12)
     hoops = []
     for wide, high in ((0.2, 0.42), (0.12, 0.3)):
@@ -105,7 +107,7 @@ def chair() -> tuple[Shape, Shape]:
 
 
 def bench(width: float) -> tuple[Shape, Shape]:
-    """Upholstered bench with its back to z = 0; wooden plinth, cap and end boards."""
+    """Return an upholstered bench with its back to z = 0, and its wooden plinth, cap and end boards."""
     line = np.array([(-width / 2, 0.0), (0.0, 0.0), (width / 2, 0.0)])
     soft = [
         (0.1, 1.16),
@@ -126,7 +128,7 @@ def bench(width: float) -> tuple[Shape, Shape]:
 
 
 def pendant(drop: float) -> tuple[Shape, Shape, Shape]:
-    """Lamp that hangs from the origin by ``drop`` metres: metal shade and rod; cream inside; bulb."""
+    """Return a lamp ``drop`` metres below the origin: metal shade and rod, cream inside, bulb."""
     dome = [(0.02, 0.2), (0.04, 0.2), (0.05, 0.16), (0.1, 0.15), (0.17, 0.1), (0.2, 0.02), (0.205, 0.0)]
     inside = [(0.203, 0.0), (0.195, 0.02), (0.165, 0.095), (0.09, 0.145), (0, 0.15)]
     rod = [
@@ -141,7 +143,7 @@ def pendant(drop: float) -> tuple[Shape, Shape, Shape]:
 
 
 def taps(count: int) -> tuple[Shape, Shape]:
-    """Brass beam on two columns with spouts that look along -z; handles."""
+    """Return a brass beam on two columns with spouts that look along -z, and the handles."""
     width = 0.14 * count
     arms = [tube([(x, 0.0, 0), (x, 0.3, 0)], 0.03, 12) for x in (-width / 2 + 0.1, width / 2 - 0.1)]
     arms += [
@@ -162,14 +164,16 @@ def taps(count: int) -> tuple[Shape, Shape]:
 
 
 def fan(blades: int, radius: float) -> tuple[Shape, Shape]:
-    """Ceiling fan about the y axis: wooden blades; brass hub and arms."""
+    """Return the wooden blades of a ceiling fan about the y axis, and its brass hub and arms."""
     wood, brass = (
         [],
         [lathe([(0.03, 0.12), (0.09, 0.08), (0.12, 0.03), (0.1, -0.03), (0.04, -0.07), (0, -0.08)], 24)],
     )
     for i in range(blades):
         turn = 360 / blades * i
-        blade = box((radius - 0.22, 0.012, 0.15), (0.22 + (radius - 0.22) / 2, 0, 0)).at(rotation((1, 0, 0), 0.22))
+        blade = box((radius - 0.22, 0.012, 0.15), (0.22 + (radius - 0.22) / 2, 0, 0)).transform(
+            rotation((1, 0, 0), 0.22)
+        )
         wood.append(blade.turn_y(turn))
-        brass.append(box((0.2, 0.015, 0.05), (0.18, 0.004, 0)).at(rotation((1, 0, 0), 0.22)).turn_y(turn))
+        brass.append(box((0.2, 0.015, 0.05), (0.18, 0.004, 0)).transform(rotation((1, 0, 0), 0.22)).turn_y(turn))
     return join(wood), join(brass)

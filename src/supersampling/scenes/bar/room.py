@@ -17,7 +17,7 @@ _SHELVES = (1.32, 1.76, 2.2)
 
 
 def shell(b: Builder, p: Palette) -> None:
-    """Floor, ceiling with beams, walls with wainscot, the window."""
+    """Add a floor, ceiling with beams, walls with wainscot, the window."""
     b.put(panel((-HALF_X, 0, -HALF_Z), (16, 0, 0), (0, 0, 10)), p.floor)
     b.put(panel((-HALF_X, HEIGHT, HALF_Z), (16, 0, 0), (0, 0, -10)), p.ceiling)
     for x in (-6.4, -3.2, 0.0, 3.2, 6.4):
@@ -56,7 +56,7 @@ def shell(b: Builder, p: Palette) -> None:
 
 
 def _window(b: Builder, p: Palette) -> None:
-    """The town behind the west wall's window, in panes."""
+    """Add the town behind the west wall's window, in panes."""
     b.put(quad((-7.98, 3.1, 3.6), (0, 0, -7.2), (0, -1.9, 0)), p.town)
     for z in np.linspace(-3.6, 3.6, 7):
         b.put(box((0.1, 1.98, 0.07), (-7.95, 2.15, z), ("right", "front", "back")), p.wood)
@@ -66,7 +66,7 @@ def _window(b: Builder, p: Palette) -> None:
 
 
 def counter(b: Builder, p: Palette) -> None:
-    """The counter, its foot rail, taps, glasses, stools, and the canopy with the lamps."""
+    """Add the counter, its foot rail, taps, glasses, stools, and the canopy with the lamps."""
     b.put(
         forms.sweep(
             COUNTER,
@@ -110,7 +110,7 @@ def counter(b: Builder, p: Palette) -> None:
 
 
 def _canopy(b: Builder, p: Palette) -> None:
-    """Soffit over the counter with a line of neon, glasses that hang from it, and four lamps."""
+    """Add a soffit over the counter with a line of neon, glasses that hang from it, and four lamps."""
     b.put(
         forms.sweep(
             COUNTER,
@@ -144,13 +144,13 @@ def _canopy(b: Builder, p: Palette) -> None:
         for dz in (-0.08, -0.02):
             b.put(box((0.5, 0.008, 0.012), (x, 2.775, -2.82 + dz)), p.brass)
         for dx in (-0.12, 0.05):
-            turned = parts.drinking_glass(2)
-            upside = turned.at(np.diag([1.0, -1.0, -1.0, 1.0])).shift(x + dx, 2.77, -2.87)
-            b.put(upside, p.dark_glass)
+            glass = parts.drinking_glass(2)
+            hanging_glass = glass.transform(np.diag([1.0, -1.0, -1.0, 1.0])).shift(x + dx, 2.77, -2.87)
+            b.put(hanging_glass, p.dark_glass)
 
 
 def shelves(b: Builder, p: Palette, rng: np.random.Generator) -> None:
-    """Cabinet, tiled wall and lit onyx, three bays of three shelves with bottles."""
+    """Add a cabinet, tiled wall and lit onyx, three bays of three shelves with bottles."""
     b.put(box((9.2, 0.9, 0.48), (-1.2, 0.45, -4.74), ("front", "left", "right")), p.wood)
     b.put(box((9.3, 0.045, 0.54), (-1.2, 0.922, -4.72)), p.top)
     for x in np.arange(-5.4, 3.1, 0.7):
@@ -176,7 +176,7 @@ def shelves(b: Builder, p: Palette, rng: np.random.Generator) -> None:
 
 
 def _bottles(b: Builder, p: Palette, rng: np.random.Generator, x: float, y: float) -> None:
-    """A shelf of bottles in small groups of a kind, now and then smoked glasses between."""
+    """Add a shelf of bottles in small groups of one kind, with a few smoked ones between."""
     u = -1.26
     while u < 1.25:
         kind, tint = int(rng.integers(5)), int(rng.integers(5))
@@ -194,7 +194,7 @@ def _bottles(b: Builder, p: Palette, rng: np.random.Generator, x: float, y: floa
 
 
 def _worktop(b: Builder, p: Palette, rng: np.random.Generator) -> None:
-    """Shakers, mugs, glasses and bottles on the counter and on the cabinet."""
+    """Add shakers, mugs, glasses and bottles on the counter and on the cabinet."""
     shaker = lathe(
         [
             (0, 0.24),

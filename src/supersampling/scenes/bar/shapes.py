@@ -11,7 +11,7 @@ from supersampling.scenes.kit.shapes import Floats, Shape, grid, join, quad, tub
 
 
 def sweep(path: ArrayLike, profile: ArrayLike) -> Shape:
-    """Profile ``(R, 2)`` of (out, y), from top to bottom, along a ground line ``(P, 2)`` of (x, z); metric uv.
+    """Return a profile ``(R, 2)`` of (out, y), from top to bottom, along a ground line ``(P, 2)`` of (x, z); metric uv.
 
     As seen from outside the line runs from left to right: along +x, out is +z. Edges along the line stay sharp.
     """
@@ -37,7 +37,7 @@ def sweep(path: ArrayLike, profile: ArrayLike) -> Shape:
 
 
 def rounded(corners: ArrayLike, radius: float, steps: int = 9) -> Floats:
-    """Polyline ``(N, 2)`` whose inner corners are bends of about ``radius``."""
+    """Return a polyline ``(N, 2)`` whose inner corners are bends of about ``radius``."""
     line = np.asarray(corners, float)
     share = np.linspace(0, 1, steps)[:, None]
     points = [line[:1]]
@@ -48,30 +48,30 @@ def rounded(corners: ArrayLike, radius: float, steps: int = 9) -> Floats:
 
 
 def neon_letters(text: str, height: float) -> Shape:
-    """Outlines of letters as glass tubes about z = 0, the text's middle at the origin."""
+    """Return the outlines of letters as glass tubes about z = 0, the text's middle at the origin."""
     outline = TextPath((0, 0), text, size=1.0, prop=FontProperties(family="DejaVu Sans", weight="bold"))
     loops = [np.asarray(p, float)[:-1] for p in outline.to_polygons(closed_only=False)]
     loops = [loop[np.linalg.norm(loop - np.roll(loop, 1, 0), axis=1) > 0.03] for loop in loops]
-    every = np.concatenate(loops)
-    middle = (every.max(0) + every.min(0)) / 2
-    scale = height / float(np.ptp(every[:, 1]))
+    points = np.concatenate(loops)
+    middle = (points.max(0) + points.min(0)) / 2
+    scale = height / float(np.ptp(points[:, 1]))
     return join([neon((loop - middle) * scale, closed=True) for loop in loops])
 
 
 def neon(line: ArrayLike, radius: float = 0.018, closed: bool = False) -> Shape:
-    """Glass tube along a polyline ``(N, 2)`` of the xy plane, its points spread to at most 6 cm."""
+    """Return a glass tube along a polyline ``(N, 2)`` of the xy plane, with points at most 6 cm apart."""
     points = np.asarray(line, float)
     ends = np.concatenate([points, points[:1]]) if closed else points
     arc = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ends, axis=0), axis=1))])
     count = max(int(arc[-1] / 0.07), 8)
-    at = np.linspace(0, arc[-1], count + 1)[: count if closed else count + 1]
-    at = np.unique(np.concatenate([at, arc[:-1] if closed else arc]).round(4))
-    spread = np.stack([np.interp(at, arc, ends[:, 0]), np.interp(at, arc, ends[:, 1]), 0 * at], 1)
+    stations = np.linspace(0, arc[-1], count + 1)[: count if closed else count + 1]
+    stations = np.unique(np.concatenate([stations, arc[:-1] if closed else arc]).round(4))
+    spread = np.stack([np.interp(stations, arc, ends[:, 0]), np.interp(stations, arc, ends[:, 1]), 0 * stations], 1)
     return tube(spread, radius, 4, closed)
 
 
 def mirror_ball(radius: float, rows: int = 13) -> Shape:
-    """Ball of flat facets."""
+    """Return a ball of flat facets."""
     faces = []
     for i in range(rows):
         high, low = (np.pi * (i + share) / rows for share in (0.02, 0.98))

@@ -6,14 +6,15 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from supersampling.scenes.kit.lettering import Rgb, font
-from supersampling.scenes.kit.textures import Field, fractal, masonry, normals, picture, ramp, surface
+from supersampling.scenes.kit.textures import Field, Maps, fractal, masonry, normals, picture, ramp, surface
 from supersampling.scenes.scene import Texture
 
-Maps = tuple[Texture, Texture, Texture]
 
+def _leaning(height: Field, strength: float, tilt: tuple[Field, Field], most: float) -> Texture:
+    """Return the normal map of a height field whose stones lean by up to ``most`` (slope).
 
-def _tilted(height: Field, strength: float, tilt: tuple[Field, Field], most: float) -> Texture:
-    """Normal map of a height field whose stones, of random value ``tilt`` in [0, 1], lean by up to ``most`` (slope)."""
+    The lean is proportional to the random value ``tilt`` of a stone, in [0, 1].
+    """
     dx = (np.roll(height, -1, 1) - np.roll(height, 1, 1)) / 2 * strength + most * (2 * tilt[0] - 1)
     dy = (np.roll(height, -1, 0) - np.roll(height, 1, 0)) / 2 * strength + most * (2 * tilt[1] - 1)
     normal = np.stack([-dx, dy, np.ones_like(dx)], -1)
@@ -21,9 +22,9 @@ def _tilted(height: Field, strength: float, tilt: tuple[Field, Field], most: flo
 
 
 def checkers(size: int, count: int, seed: int) -> Maps:
-    """Polished black and cream marble in squares that do not lie quite level, with smears of wiping."""
+    """Draw polished black and cream marble in squares that do not lie quite level, with smears of wiping."""
     inside, value, height = masonry(size, count, count, 0.003, seed, 0.0)
-    other = np.roll(value, size // count, 0)
+    shifted = np.roll(value, size // count, 0)
     y, x = np.mgrid[:size, :size] / size * count
     light = (np.floor(x) + np.floor(y)) % 2 > 0.5
     cloud, fine, wave = (
@@ -39,22 +40,22 @@ def checkers(size: int, count: int, seed: int) -> Maps:
     color = np.where(inside[..., None] > 0.5, color, 0.17)
     smear = fractal(size, seed + 7, 1.0, (2.0, 0.5))
     shine = 0.1 + 0.18 * smear**2 + 0.04 * light + 0.5 * (1 - inside)
-    return picture(color), _tilted(0.6 * height + 3.0 * wave, 3.0, (value, other), 0.01), surface(shine)
+    return picture(color), _leaning(0.6 * height + 3.0 * wave, 3.0, (value, shifted), 0.01), surface(shine)
 
 
 def glazed(size: int, rows: int, columns: int, stops: Sequence[Sequence[float]], seed: int) -> Maps:
-    """Hand-made glazed tiles: rounded edges, pooled colour, every tile leaning its own way."""
+    """Draw hand-made glazed tiles: rounded edges, pooled colour, each tile tilted in its own direction."""
     inside, value, height = masonry(size, rows, columns, 0.006, seed)
-    other = np.roll(value, 2 * size // rows, 0)
+    shifted = np.roll(value, 2 * size // rows, 0)
     pool = fractal(size, seed + 3, 1.9)
     tone = np.clip(0.55 * value + 0.5 * pool + 0.25 * (height - 1), 0, 1)
     color = inside[..., None] * ramp(tone, stops) + (1 - inside[..., None]) * 0.3
-    normal = _tilted(height + 0.5 * pool, 4.0, (value, other), 0.05)
+    normal = _leaning(height + 0.5 * pool, 4.0, (value, shifted), 0.05)
     return picture(color), normal, surface(0.1 + 0.1 * pool + 0.6 * (1 - inside))
 
 
 def veneer(size: int, seed: int, stops: Sequence[Sequence[float]]) -> Maps:
-    """Figured wood without joints, its grain along u, under a mirror of lacquer with rings that wet glasses left."""
+    """Draw figured wood without joints, its grain along u, under a mirror of lacquer with rings left by wet glasses."""
     warp, fibre = fractal(size, seed, 2.1, (0.6, 4.0)), fractal(size, seed + 1, 0.9, (0.5, 14.0))
     rings = 0.5 + 0.5 * np.sin(2 * np.pi * 7 * warp)
     smear, wave = fractal(size, seed + 2, 0.9), fractal(size, seed + 3, 2.4)
@@ -71,7 +72,7 @@ def veneer(size: int, seed: int, stops: Sequence[Sequence[float]]) -> Maps:
 
 
 def polished(size: int, seed: int, stops: Sequence[Sequence[float]], least: float = 0.12) -> Maps:
-    """Polished metal with finger marks and a soft dent or two."""
+    """Draw polished metal with finger marks and a soft dent or two."""
     mark, cloud, line = (
         fractal(size, seed, 1.0),
         fractal(size, seed + 1, 2.2),
@@ -83,7 +84,7 @@ def polished(size: int, seed: int, stops: Sequence[Sequence[float]], least: floa
 
 
 def tufted(size: int, seed: int, stops: Sequence[Sequence[float]], cells: int = 4) -> Maps:
-    """Buttoned leather: diamonds that bulge between buttons."""
+    """Draw buttoned leather: diamonds that bulge between buttons."""
     y, x = np.mgrid[:size, :size] / size * cells
     u, v = x + y, x - y
     bulge = np.abs(np.sin(np.pi * u) * np.sin(np.pi * v)) ** 0.4
@@ -99,7 +100,7 @@ def tufted(size: int, seed: int, stops: Sequence[Sequence[float]], cells: int = 
 
 
 def pressed_tin(size: int, seed: int, cells: int = 2) -> Maps:
-    """Copper-coloured ceiling plates: a rosette in every square, a rope along its edge."""
+    """Draw copper-coloured ceiling plates: a rosette in every square, a rope along its edge."""
     y, x = np.mgrid[:size, :size] / size * cells
     u, v = x % 1 - 0.5, y % 1 - 0.5
     radius, angle = np.hypot(u, v), np.arctan2(v, u)
@@ -117,7 +118,7 @@ def pressed_tin(size: int, seed: int, cells: int = 2) -> Maps:
 
 
 def fans(size: int, seed: int, stops: Sequence[Sequence[float]], cells: int = 2) -> Maps:
-    """Wall covering of overlapping fans: gilded ribs and arcs on a satin ground."""
+    """Draw wall covering of overlapping fans: gilded ribs and arcs on a satin ground."""
     y, x = np.mgrid[:size, :size] / size * cells
     figure, shade = np.zeros((size, size)), np.zeros((size, size))
     # Lower rows of fans lie over the higher ones; a fan is a disc about its foot.
@@ -142,7 +143,7 @@ def fans(size: int, seed: int, stops: Sequence[Sequence[float]], cells: int = 2)
 
 
 def onyx(size: int, seed: int) -> Maps:
-    """Onyx that is lit from behind."""
+    """Draw onyx that is lit from behind."""
     cloud, fine = fractal(size, seed, 2.0, (0.7, 1.6)), fractal(size, seed + 1, 1.5)
     height = fractal(size, seed + 2, 2.2)
     band = 0.5 + 0.5 * np.sin(2 * np.pi * (4 * cloud + 0.3 * fine))
@@ -151,7 +152,7 @@ def onyx(size: int, seed: int) -> Maps:
 
 
 def night_town(width: int, height: int, seed: int) -> Texture:
-    """A town at night behind glass: towers with lit rooms, street lamps out of focus, a glow above the roofs."""
+    """Draw a town at night behind glass: towers with lit rooms, street lamps out of focus, a glow above the roofs."""
     rng = np.random.default_rng(seed)
     share = np.linspace(0, 1, height)[:, None, None]
     sky = (1 - share) * np.array([8, 10, 30]) + share * np.array([70, 36, 62])
@@ -187,7 +188,7 @@ def night_town(width: int, height: int, seed: int) -> Texture:
 def lit_sign(
     text: str, small: str, back: Rgb, front: Rgb, width: int = 512, height: int = 192
 ) -> tuple[Texture, Texture]:
-    """Face of a light box and its surface map: letters and border glow, the ground a little."""
+    """Draw the face of a light box and its surface map: letters and border glow, the ground a little."""
     image, mask = Image.new("RGB", (width, height), back), Image.new("L", (width, height), 40)
     for draw, ink in ((ImageDraw.Draw(image), front), (ImageDraw.Draw(mask), 255)):
         draw.rounded_rectangle((8, 8, width - 9, height - 9), 20, outline=ink, width=6)
@@ -198,7 +199,7 @@ def lit_sign(
 
 
 def labels(seed: int, size: int = 512, cells: int = 4) -> Texture:
-    """Sheet of bottle labels, ``cells x cells``."""
+    """Draw a sheet of bottle labels, ``cells x cells``."""
     rng, step = np.random.default_rng(seed), size // cells
     image = Image.new("RGB", (size, size))
     names = ("RYE", "No. 7", "AMARO", "GIN", "ABSINTHE", "RHUM", "CASSIS", "MEZCAL")

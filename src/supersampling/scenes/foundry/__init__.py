@@ -1,4 +1,4 @@
-"""The built-in scene ``foundry``: an industrial hall of 24 x 14 x 8 m full of steel, brick, meshes and moving machines."""
+"""The built-in scene ``foundry``: a hall of 24 x 14 x 8 m full of steel, brick, meshes and moving machines."""
 
 from supersampling.scenes.foundry.foundry import foundry
 

@@ -1,20 +1,19 @@
-"""The built-in scene ``foundry``: an industrial hall of 24 x 14 x 8 m full of steel, brick, meshes and moving machines."""
+"""The built-in scene ``foundry``: a hall of 24 x 14 x 8 m full of steel, brick, meshes and moving machines."""
 
 import numpy as np
 
 from supersampling.scenes.foundry.hall import lamps, markings, panels, pipes, shell, walkway
 from supersampling.scenes.foundry.machines import machines
-from supersampling.scenes.foundry.parts import barrel, crate, fence, turned
 from supersampling.scenes.foundry.stock import Stock, stock
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import barrel, crate, fence
+from supersampling.scenes.kit.routes import walk
 from supersampling.scenes.kit.shapes import beam, box, cylinder, lathe
 from supersampling.scenes.scene import Route, Scene, Sky, Sun
 
-Point = tuple[float, float, float]
-
 
 def _shelf(b: Builder, m: Stock, x: float, z: float, turn: float, seed: int) -> None:
-    """Rack 2.6 m wide with three boards of boxes, drums and brass fittings; it looks along +z before the turn."""
+    """Add a rack 2.6 m wide with three boards of boxes, drums and brass fittings; it looks along +z before the turn."""
     rng = np.random.default_rng(seed)
     parts = [(box((0.05, 2.5, 0.05), (u, 1.25, w)), m.red) for u in (-1.3, 0, 1.3) for w in (-0.35, 0.35)]
     parts += [(beam((-1.3 + s, 0.2, -0.36), (s, 2.4, -0.36), 0.025), m.iron) for s in (0.0, 1.3)]
@@ -36,7 +35,7 @@ def _shelf(b: Builder, m: Stock, x: float, z: float, turn: float, seed: int) -> 
 
 
 def _stores(b: Builder, m: Stock) -> None:
-    """Shelves, pallets of crates, barrels."""
+    """Add shelves, pallets of crates, barrels."""
     for i, x in enumerate((-7.4, -4.4, -1.4, 1.6, 4.6, 7.6)):
         _shelf(b, m, x, 6.15, 180, i)
     for i, z in enumerate((0.4, 3.3)):
@@ -65,7 +64,7 @@ def _stores(b: Builder, m: Stock) -> None:
 
 
 def _fences(b: Builder, m: Stock) -> None:
-    """Low mesh fences along the lanes and a high one before the conveyor's end."""
+    """Add low mesh fences along the lanes and a high one before the conveyor's end."""
     for a, c, height in (
         ((0.0, 0, -0.1), (3.0, 0, -0.1), 1.15),
         ((4.6, 0, -0.1), (9.0, 0, -0.1), 1.15),
@@ -79,14 +78,13 @@ def _fences(b: Builder, m: Stock) -> None:
 
 
 def _rods(b: Builder, m: Stock) -> None:
-    """Bundles of steel rods on trestles in the middle of the hall."""
+    """Add bundles of steel rods on trestles in the middle of the hall."""
     for x in (4.9, 6.4, 7.9):
         b.put(beam((x, 0.5, -2.42), (x, 0.5, -1.68), 0.08), m.wood)
         for z in (-2.38, -1.72):
             b.put(beam((x, 0, z), (x, 1.0, z), 0.07), m.yellow)
     rng = np.random.default_rng(40)
-    rod = cylinder(0.032, 3.9, 8)
-    rod = turned(rod, (0, 0, 1), 90)
+    rod = cylinder(0.032, 3.9, 8).turn((0, 0, 1), 90)
     for row in range(5):
         for column in range(9):
             x, shift = 6.4 + float(rng.uniform(-0.25, 0.25)), 0.035 * (row % 2)
@@ -95,29 +93,28 @@ def _rods(b: Builder, m: Stock) -> None:
 
 
 def _routes() -> list[Route]:
-    lines: tuple[tuple[str, list[Point], list[Point]], ...] = (
-        ("gears", [(-8.0, 1.6, -3.3), (-1.2, 1.65, -3.1)], [(-7.2, 1.6, -6), (-3.0, 2.0, -6)]),
-        ("conveyor", [(-0.5, 1.6, 4.1), (9.2, 1.7, 4.0)], [(3.0, 0.9, 1.5), (5.5, 1.0, 1.0)]),
-        (
+    return [
+        walk("gears", [(-8.0, 1.6, -3.3), (-1.2, 1.65, -3.1)], [(-7.2, 1.6, -6), (-3.0, 2.0, -6)]),
+        walk("conveyor", [(-0.5, 1.6, 4.1), (9.2, 1.7, 4.0)], [(3.0, 0.9, 1.5), (5.5, 1.0, 1.0)]),
+        walk(
             "furnace",
             [(-7.6, 1.65, 4.6), (-8.2, 1.6, 1.0), (-7.6, 1.6, -2.8)],
             [(-11, 1.4, 1.2), (-11, 1.5, 0), (-6, 1.6, -6)],
         ),
-        ("shelves", [(8.6, 1.6, 4.6), (-3.0, 1.6, 4.6)], [(5.5, 1.4, 6.3), (-6.5, 1.4, 6.3)]),
-        ("press", [(0.0, 1.65, -2.7), (9.6, 1.65, -3.3)], [(3.6, 1.7, -5.5), (11.0, 2.5, -4.2)]),
-        ("east aisle", [(10.3, 1.65, 4.4), (10.35, 1.6, -3.6)], [(5.0, 1.2, 1.8), (4.6, 1.8, -5.0)]),
-        ("crane", [(9.8, 1.7, -0.9), (3.2, 1.6, -1.1)], [(3.0, 1.8, -0.6), (-3.2, 1.5, -1.0)]),
-        (
+        walk("shelves", [(8.6, 1.6, 4.6), (-3.0, 1.6, 4.6)], [(5.5, 1.4, 6.3), (-6.5, 1.4, 6.3)]),
+        walk("press", [(0.0, 1.65, -2.7), (9.6, 1.65, -3.3)], [(3.6, 1.7, -5.5), (11.0, 2.5, -4.2)]),
+        walk("east aisle", [(10.3, 1.65, 4.4), (10.35, 1.6, -3.6)], [(5.0, 1.2, 1.8), (4.6, 1.8, -5.0)]),
+        walk("crane", [(9.8, 1.7, -0.9), (3.2, 1.6, -1.1)], [(3.0, 1.8, -0.6), (-3.2, 1.5, -1.0)]),
+        walk(
             "winding gear",
             [(-7.2, 1.6, 0.9), (-1.4, 1.6, 1.2), (-1.0, 1.6, 3.2)],
             [(-3.6, 1.3, -0.8), (-1.0, 1.2, -1.0), (4, 1.0, 1.6)],
         ),
-    )
-    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
+    ]
 
 
 def foundry() -> Scene:
-    """An industrial hall with wheels, fans, a press, a crane, a conveyor and a furnace, all moving periodically."""
+    """Build an industrial hall: wheels, fans, a press, a crane, a conveyor and a furnace, all moving periodically."""
     builder = Builder()
     m = stock(builder)
     for part in (shell, markings, walkway, pipes, panels, _stores, _fences, _rods, machines):
@@ -136,5 +133,6 @@ def foundry() -> Scene:
         exposure=1.0,
         near=0.1,
         far=60.0,
-        attribution="Geometry, textures and lettering are generated by this project's code (MIT); text is set in DejaVu fonts.",
+        attribution="Geometry, textures and lettering are generated by this project's code (MIT); "
+        "text is set in DejaVu fonts.",
     )

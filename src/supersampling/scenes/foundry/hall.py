@@ -2,10 +2,12 @@
 
 import numpy as np
 
-from supersampling.scenes.foundry.parts import disc, flange, hand_wheel, ladder, pipe, sign, truss
+from supersampling.scenes.foundry.parts import flange, hand_wheel, ladder, pipe, truss
 from supersampling.scenes.foundry.stock import Stock
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import sign
 from supersampling.scenes.kit.shapes import beam, box, lathe, panel, tube
+from supersampling.scenes.kit.wheels import disc
 from supersampling.scenes.scene import PointLight
 
 HALF_X, HALF_Z, HEIGHT = 12.0, 7.0, 8.0
@@ -13,7 +15,7 @@ _LAMPS = ((-2.0, 4.3, -3.6), (6.0, 4.3, -3.4), (2.0, 4.4, 4.2))
 
 
 def shell(b: Builder, m: Stock) -> None:
-    """Floor, walls and a roof with four skylights."""
+    """Add a floor, walls and a roof with four skylights."""
     b.put(panel((-HALF_X, 0, -HALF_Z), (24, 0, 0), (0, 0, 14), (14, 24)), m.floor, (0.7, 0.7, 0.7))
     for z in (-HALF_Z, HALF_Z):
         out = np.sign(z)
@@ -43,7 +45,7 @@ def shell(b: Builder, m: Stock) -> None:
 
 
 def markings(b: Builder, m: Stock) -> None:
-    """Painted lanes on the floor, and checker plates."""
+    """Add painted lanes on the floor, and checker plates."""
     lanes = [
         (-9.0, -4.45, 18.5, 0.18),
         (-9.0, -2.0, 18.5, 0.18),
@@ -63,7 +65,7 @@ def markings(b: Builder, m: Stock) -> None:
 
 
 def walkway(b: Builder, m: Stock) -> None:
-    """Grated walkway along the south wall with railings, brackets and ladders."""
+    """Add a grated walkway along the south wall with railings, brackets and ladders."""
     b.put(panel((-9.5, 3.1, 5.3), (19.5, 0, 0), (0, 0, 1.55), (2, 20)), m.grate)
     for z in (5.3, 6.8):
         b.put(beam((-9.5, 3.04, z), (10.0, 3.04, z), 0.08, 0.12), m.yellow)
@@ -78,7 +80,7 @@ def walkway(b: Builder, m: Stock) -> None:
 
 
 def pipes(b: Builder, m: Stock) -> None:
-    """Pipes with flanges and valves along the north wall, cables under the roof."""
+    """Add pipes with flanges and valves along the north wall, cables under the roof."""
     for y, radius, material in ((4.3, 0.16, m.iron), (4.8, 0.1, m.brass), (5.3, 0.13, m.steel)):
         line = [(-11.6, y, -6.55), (10.6, y, -6.55), (10.6, y, -6.0), (11.7, y, -6.0)]
         b.put(pipe(line, radius), material)
@@ -101,24 +103,34 @@ def pipes(b: Builder, m: Stock) -> None:
 
 
 def panels(b: Builder, m: Stock) -> None:
-    """Gauge panel and notices."""
+    """Add the gauge panel and the notices."""
     b.put(box((2.4, 1.7, 0.3), (0.1, 1.75, -6.75)), m.green)
     for i in range(15):
         x, y = -0.82 + 0.46 * (i % 5), 2.32 - 0.5 * (i // 5)
         b.put(sign((x, y, -6.6), 0.38, 0.38, "+z"), m.gauges[(i + i // 5) % 3])
         b.put(disc(0.2, 0.02, (x, y, -6.59), segments=24), m.brass)
     for place, facing, k in (
-        ((-9.3, 1.7, -6.98), "+z", 0), ((12.0, 3.4, 1.9), "-x", 4), ((8.3, 1.7, -6.98), "+z", 1), ((-12.0, 1.8, -4.7), "+x", 2),
-        ((-12.0, 1.8, 5.4), "+x", 4), ((12.0, 1.7, -5.7), "-x", 3), ((12.0, 2.0, -1.5), "-x", 0), ((12.0, 1.8, 5.6), "-x", 1),
-        ((-9.8, 2.6, 1.7), "+x", 2), ((-9.8, 1.7, -1.7), "+x", 0), ((-6.4, 1.35, -4.9), "+z", 0), ((3.4, 1.0, -4.4), "+z", 2),
-        ((-10.7, 1.7, 6.98), "-z", 3), ((10.8, 1.7, 6.98), "-z", 4),
-    ):  # fmt: skip
+        ((-9.3, 1.7, -6.98), "+z", 0),
+        ((12.0, 3.4, 1.9), "-x", 4),
+        ((8.3, 1.7, -6.98), "+z", 1),
+        ((-12.0, 1.8, -4.7), "+x", 2),
+        ((-12.0, 1.8, 5.4), "+x", 4),
+        ((12.0, 1.7, -5.7), "-x", 3),
+        ((12.0, 2.0, -1.5), "-x", 0),
+        ((12.0, 1.8, 5.6), "-x", 1),
+        ((-9.8, 2.6, 1.7), "+x", 2),
+        ((-9.8, 1.7, -1.7), "+x", 0),
+        ((-6.4, 1.35, -4.9), "+z", 0),
+        ((3.4, 1.0, -4.4), "+z", 2),
+        ((-10.7, 1.7, 6.98), "-z", 3),
+        ((10.8, 1.7, 6.98), "-z", 4),
+    ):
         small = 0.5 if place[2] in (-4.9, -4.4) else 1.0
         b.put(sign(place, small, small, facing), m.notices[k])
 
 
 def lamps(b: Builder, m: Stock) -> list[PointLight]:
-    """Pendant lamps and the furnace's glow."""
+    """Add the pendant lamps; return their lights and the furnace's glow."""
     for x, y, z in _LAMPS:
         b.put(lathe([(0.03, 0.3), (0.08, 0.28), (0.34, 0.02), (0.34, 0.0)], 32).shift(x, y, z), m.green)
         b.put(lathe([(0.0, 0.06), (0.13, 0.0), (0.1, -0.07), (0.0, -0.1)], 20).shift(x, y, z), m.lamp)

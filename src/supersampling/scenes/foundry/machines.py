@@ -2,29 +2,17 @@
 
 import numpy as np
 
-from supersampling.scenes.foundry.parts import (
-    blades,
-    chain_links,
-    circuit,
-    crate,
-    disc,
-    fence,
-    gear,
-    hook,
-    meshing_phase,
-    oval,
-    ring,
-)
+from supersampling.scenes.foundry.parts import blades, chain_links, circuit, hook, meshing_phase, oval
 from supersampling.scenes.foundry.stock import Stock
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import crate, fence
 from supersampling.scenes.kit.motion import chain, shuttle, spin, sway
-from supersampling.scenes.kit.shapes import beam, box, cylinder, join, panel
-
-Point = tuple[float, float, float]
+from supersampling.scenes.kit.shapes import Point, beam, box, cylinder, join, panel
+from supersampling.scenes.kit.wheels import disc, gear, ring
 
 
 def _train(b: Builder, first: Point, wheels: list[tuple[int, float]], hertz: float, metals: list[int]) -> None:
-    """Meshing wheels in one plane: (teeth, direction from the wheel before in degrees); module 0.05 m."""
+    """Add meshing wheels in one plane: (teeth, direction from the previous wheel in degrees); module 0.05 m."""
     module, (x, y, z) = 0.05, first
     phase, teeth, rate = 0.0, wheels[0][0], hertz
     for i, (count, degrees) in enumerate(wheels):
@@ -42,7 +30,7 @@ def _train(b: Builder, first: Point, wheels: list[tuple[int, float]], hertz: flo
 
 
 def gear_machine(b: Builder, m: Stock) -> None:
-    """Wall of wheels behind a fence on the north side."""
+    """Add a wall of wheels behind a fence on the north side."""
     b.put(box((6.0, 3.6, 0.5), (-5.2, 1.8, -6.6)), m.green)
     b.put(box((6.3, 0.3, 0.9), (-5.2, 0.15, -6.4)), m.hazard)
     b.put(box((6.2, 0.1, 0.7), (-5.2, 3.65, -6.6)), m.tread)
@@ -60,7 +48,7 @@ def gear_machine(b: Builder, m: Stock) -> None:
 
 
 def island(b: Builder, m: Stock) -> None:
-    """Winding gear in the middle of the hall, its wheels on both sides."""
+    """Add winding gear in the middle of the hall, with wheels on both sides."""
     b.put(box((3.6, 0.5, 1.2), (-3.4, 0.25, -1.0)), m.red)
     b.put(box((3.8, 0.12, 1.4), (-3.4, 0.06, -1.0)), m.hazard)
     for x in (-4.9, -4.3, -2.6, -1.9):
@@ -75,7 +63,7 @@ def island(b: Builder, m: Stock) -> None:
 
 
 def press(b: Builder, m: Stock) -> None:
-    """Forging press: its ram goes up and down behind a fence."""
+    """Add a forging press: its ram goes up and down behind a fence."""
     x, z = 4.2, -5.6
     b.put(box((2.2, 0.8, 1.4), (x, 0.4, z)), m.green)
     b.put(box((0.9, 0.2, 0.9), (x, 0.9, z)), m.steel)
@@ -100,7 +88,7 @@ def press(b: Builder, m: Stock) -> None:
 
 
 def fans(b: Builder, m: Stock) -> None:
-    """Two wall fans in cages: a large one on the east wall, a small one on the west wall."""
+    """Add two wall fans in cages: a large one on the east wall, a small one on the west wall."""
     for place, radius, turn, hertz in (
         ((11.55, 2.9, -3.2), 1.2, -90.0, 1.6),
         ((-11.55, 3.45, 4.6), 0.8, 90.0, 2.3),
@@ -123,7 +111,7 @@ def fans(b: Builder, m: Stock) -> None:
 
 
 def crane(b: Builder, m: Stock) -> None:
-    """Travelling crane along x with a hook that swings on its chain, and a second, small hoist."""
+    """Add a travelling crane along x with a hook that swings on its chain, and a second, small hoist."""
     for z in (-1.45, -0.95):
         b.put(beam((-6.2, 6.05, z), (10.2, 6.05, z), 0.3, 0.12), m.yellow)
         for x in (-6.0, -2.0, 6.0, 10.0):
@@ -145,7 +133,7 @@ def crane(b: Builder, m: Stock) -> None:
 
 
 def conveyor(b: Builder, m: Stock) -> None:
-    """Oval roller conveyor with labelled crates that go round."""
+    """Add an oval roller conveyor with labelled crates that go round."""
     half, radius, centre = 3.2, 1.2, (4.5, 0.0, 1.8)
     around = 4 * half + 2 * np.pi * radius
     count = 130
@@ -154,11 +142,11 @@ def conveyor(b: Builder, m: Stock) -> None:
         x, z, heading = oval(half, radius, around * i / count)
         b.put(roller.turn_y(np.degrees(heading)).shift(centre[0] + x, 0, centre[2] + z), m.steel)
     for reach in (radius - 0.36, radius + 0.36):
-        at = [oval(half, reach, s)[:2] for s in _stations(half, reach)]
-        for (x, z), (u, w) in zip(at, [*at[1:], at[0]]):
+        corners = [oval(half, reach, s)[:2] for s in _stations(half, reach)]
+        for (x, z), (u, w) in zip(corners, [*corners[1:], corners[0]]):
             rail = beam((centre[0] + x, 0.86, centre[2] + z), (centre[0] + u, 0.86, centre[2] + w), 0.05, 0.16)
             b.put(rail, m.yellow)
-        for x, z in at[::3]:
+        for x, z in corners[::3]:
             b.put(beam((centre[0] + x, 0, centre[2] + z), (centre[0] + x, 0.8, centre[2] + z), 0.07), m.iron)
     for i in range(12):
         size = (0.5, 0.42, 0.56)[i % 3]
@@ -167,14 +155,14 @@ def conveyor(b: Builder, m: Stock) -> None:
 
 
 def _stations(half: float, radius: float) -> list[float]:
-    """Distances along an oval: even on its straights, dense on its bends."""
+    """Return distances along an oval: even on its straights, dense on its bends."""
     bend = np.pi * radius
     straight, arc = np.linspace(0, 2 * half, 7)[:-1], np.linspace(0, bend, 13)[:-1]
     return [float(v) for v in (*straight, *(2 * half + arc), *(2 * half + bend + straight), *(4 * half + bend + arc))]
 
 
 def furnace(b: Builder, m: Stock) -> None:
-    """Brick furnace at the west end with a glowing mouth."""
+    """Add a brick furnace at the west end with a glowing mouth."""
     for z in (-1.7, 1.7):
         b.put(box((2.2, 3.4, 1.4), (-10.9, 1.7, z)), m.brick)
     b.put(box((2.2, 1.5, 2.0), (-10.9, 2.65, 0)), m.brick)

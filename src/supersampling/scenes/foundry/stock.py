@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from supersampling.scenes.kit import lettering, metal, textures
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.dials import gauge
 from supersampling.scenes.scene import Material
 
 
@@ -32,7 +33,7 @@ class Stock:
     notices: tuple[int, ...]
 
 
-def _maps(maps: metal.Maps, name: str, metallic: float = 0.0) -> Material:
+def _maps(maps: textures.Maps, name: str, metallic: float = 0.0) -> Material:
     albedo, normal, surface = maps
     return Material(name, albedo, normal, surface, roughness=1.0, metallic=metallic)
 
@@ -55,11 +56,11 @@ def _notices(builder: Builder) -> tuple[int, ...]:
 
 def _gauges(builder: Builder) -> tuple[int, ...]:
     units = ("bar", "kN", "rpm")
-    return tuple(builder.material(Material(u, lettering.gauge(i, u), roughness=0.3)) for i, u in enumerate(units))
+    return tuple(builder.material(Material(u, gauge(i, u), roughness=0.3)) for i, u in enumerate(units))
 
 
 def stock(builder: Builder) -> Stock:
-    """Adds the foundry's materials."""
+    """Add the foundry's materials."""
     green = [(0.1, 0.22, 0.17), (0.2, 0.42, 0.32), (0.38, 0.58, 0.46)]
     red = [(0.3, 0.07, 0.05), (0.56, 0.15, 0.1), (0.72, 0.3, 0.2)]
     yellow = [(0.55, 0.36, 0.04), (0.82, 0.6, 0.1), (0.95, 0.8, 0.3)]

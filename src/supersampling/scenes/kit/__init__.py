@@ -1,1 +1,1 @@
-"""What scenes are built with: shapes, textures, lettering, motions, and the builder that collects them."""
+"""Tools to build scenes with: shapes, textures, lettering, motions, routes and the builder that collects them."""

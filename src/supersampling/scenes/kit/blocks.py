@@ -1,4 +1,4 @@
-"""`box`, `beam`, `quad` and `panel` of `shapes` without subdivision, in one go: for scenes that have thousands of them."""
+"""Fast `box`, `beam`, `quad` and `panel` of `shapes`, without subdivision, for scenes with thousands of them."""
 
 from collections.abc import Sequence
 
@@ -38,21 +38,21 @@ _INDEX = {face: k for k, face in enumerate(ALL)}
 
 
 def box(size: ArrayLike, centre: ArrayLike = (0, 0, 0), faces: Sequence[str] = ALL, fit: bool = False) -> Shape:
-    """As `shapes.box`."""
-    chosen = [_INDEX[f] for f in faces]
-    count = len(chosen)
-    points = _CORNERS[chosen] * np.asarray(size, float) + np.asarray(centre, float)
+    """Return the same as `shapes.box`."""
+    indices = [_INDEX[f] for f in faces]
+    count = len(indices)
+    points = _CORNERS[indices] * np.asarray(size, float) + np.asarray(centre, float)
     if fit:
         uv = np.tile(_FIT, (count, 1))
     else:
-        axes = np.stack([_RIGHTS[chosen], _DOWNS[chosen]], -1)
+        axes = np.stack([_RIGHTS[indices], _DOWNS[indices]], -1)
         uv = (points @ axes).reshape(-1, 2)
     triangles = (_TRIANGLES[None] + 4 * np.arange(count)[:, None, None]).reshape(-1, 3)
-    return Shape(points.reshape(-1, 3), _NORMALS[chosen].repeat(4, axis=0), uv, triangles)
+    return Shape(points.reshape(-1, 3), _NORMALS[indices].repeat(4, axis=0), uv, triangles)
 
 
 def beam(a: ArrayLike, b: ArrayLike, width: float, height: float | None = None) -> Shape:
-    """As `shapes.beam`."""
+    """Return the same as `shapes.beam`."""
     start, end = np.asarray(a, float), np.asarray(b, float)
     length = float(np.linalg.norm(end - start))
     up = (end - start) / length
@@ -61,11 +61,11 @@ def beam(a: ArrayLike, b: ArrayLike, width: float, height: float | None = None) 
     x /= np.linalg.norm(x)
     matrix = np.eye(4)
     matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = x, up, _cross(x, up), start
-    return box((width, length, height or width), (0, length / 2, 0)).at(matrix)
+    return box((width, length, height or width), (0, length / 2, 0)).transform(matrix)
 
 
 def quad(corner: ArrayLike, right: ArrayLike, down: ArrayLike) -> Shape:
-    """As `shapes.quad`, of one cell."""
+    """Return the same as `shapes.quad`, of one cell."""
     start, x, y = (np.asarray(v, float) for v in (corner, right, down))
     normal = _cross(y, x)
     normal /= np.linalg.norm(normal)
@@ -74,7 +74,7 @@ def quad(corner: ArrayLike, right: ArrayLike, down: ArrayLike) -> Shape:
 
 
 def panel(corner: ArrayLike, right: ArrayLike, down: ArrayLike) -> Shape:
-    """As `shapes.panel`, of one cell."""
+    """Return the same as `shapes.panel`, of one cell."""
     x, y = np.asarray(right, float), np.asarray(down, float)
     flat = quad(corner, x, y)
     axes = np.stack([x / np.linalg.norm(x), y / np.linalg.norm(y)], 1)
@@ -82,5 +82,5 @@ def panel(corner: ArrayLike, right: ArrayLike, down: ArrayLike) -> Shape:
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
-    """Of two vectors; NumPy's costs ten times as much."""
+    """Return the cross product of two vectors, ten times as fast as NumPy's."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

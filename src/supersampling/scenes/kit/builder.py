@@ -1,4 +1,4 @@
-"""Collects shapes into a scene: one static mesh a material, and one object for everything that moves together."""
+"""Collector of shapes: one static mesh per material, and one object for everything that moves together."""
 
 from collections.abc import Sequence
 
@@ -8,10 +8,11 @@ from supersampling.scenes.kit.shapes import Shape, join
 from supersampling.scenes.scene import Material, Mesh, Object, Transform
 
 Color = tuple[float, float, float]
+Part = tuple[Shape, int]  # a shape and its material
 
 
 class Builder:
-    """Shapes go in by material; `meshes` and `objects` come out."""
+    """Collector of shapes: they are added by material, and `build` returns meshes and objects."""
 
     def __init__(self) -> None:
         self.materials: list[Material] = []
@@ -20,21 +21,24 @@ class Builder:
         self._moving: list[tuple[list[tuple[Shape, int]], Transform]] = []
 
     def material(self, material: Material, tile: float = 1.0) -> int:
-        """Adds a material whose texture covers ``tile`` metres (1 for uv that are texture coordinates already)."""
+        """Add a material whose texture covers ``tile`` metres and return its index.
+
+        Use a tile of 1 where uv are texture coordinates already.
+        """
         self.materials.append(material)
         self._tiles.append(tile)
         return len(self.materials) - 1
 
     def put(self, shape: Shape, material: int, color: Color = (1.0, 1.0, 1.0)) -> None:
-        """Adds a shape that stands still, its albedo multiplied by ``color``."""
+        """Add a shape that stands still, its albedo multiplied by ``color``."""
         self._static.setdefault(material, []).append((shape, color))
 
     def move(self, parts: Sequence[tuple[Shape, int]], transform: Transform) -> None:
-        """Adds an object that moves; the shapes are in its own frame."""
+        """Add an object that moves; the shapes are in its own frame."""
         self._moving.append((list(parts), transform))
 
     def build(self) -> tuple[list[Mesh], list[Object]]:
-        """Static meshes under one object, then the moving objects."""
+        """Return all meshes and objects: the static meshes under one object, then the moving objects."""
         meshes = [self._mesh(parts, material) for material, parts in sorted(self._static.items())]
         objects = [Object(tuple(range(len(meshes))), np.eye(4, dtype=np.float32))]
         for parts, transform in self._moving:

@@ -1,4 +1,4 @@
-"""Textures that carry text: newspapers, posters, book spines, labels, signs and gauges (DejaVu fonts of matplotlib)."""
+"""Textures that carry text: newspapers, posters, book spines, labels and signs (DejaVu fonts of matplotlib)."""
 
 from functools import cache
 from pathlib import Path
@@ -24,8 +24,8 @@ _TITLES = (
     "Treatise on Light", "Sampling Theory", "The Aliased Garden", "Fields of View", "A Lens for All", "Motion & Memory",
     "Eleven Columns", "Nyquist at Sea", "The Slow Shutter", "Optics II", "Moire", "Lattices", "On Gradients", "Edges",
     "History of Frames", "Twelve Filters", "Convolutions", "The Iron Arch", "Depth", "Wave and Grain", "Atlas of Noise",
-    "Phase", "Small Kernels", "Jittered Paths", "The Last Pixel", "Subpixel Tales", "Spectra", "Residuals", "Warped Time",
-    "Quiet Machines", "Light Transport", "Stone & Brick",
+    "Phase", "Small Kernels", "Jittered Paths", "The Last Pixel", "Subpixel Tales", "Spectra", "Residuals",
+    "Warped Time", "Quiet Machines", "Light Transport", "Stone & Brick",
 )  # fmt: skip
 
 
@@ -45,7 +45,7 @@ def _prose(rng: np.random.Generator, words: int) -> str:
 def _fill(
     draw: ImageDraw.ImageDraw, box: tuple[int, int, int, int], text: str, size: int, color: Rgb, face: str
 ) -> None:
-    """Wraps ``text`` into ``box`` (left, top, right, bottom), repeating it until the box is full."""
+    """Wrap ``text`` into ``box`` (left, top, right, bottom), repeating it until the box is full."""
     letters, words, i = font(size, face), text.split(), 0
     space = letters.getlength(" ")
     for y in range(box[1], box[3] - size, round(size * 1.22)):
@@ -57,8 +57,8 @@ def _fill(
         draw.text((box[0], y), " ".join(line), color, letters)
 
 
-def _aged(image: Image.Image, seed: int, amount: float = 0.25) -> Texture:
-    """Multiplies paper grain into a drawing."""
+def aged(image: Image.Image, seed: int, amount: float = 0.25) -> Texture:
+    """Multiply paper grain into a drawing."""
     pixels = np.asarray(image, float) / 255
     side = max(image.size)
     grain = fractal(side, seed, 0.5)[: image.size[1], : image.size[0], None]
@@ -66,7 +66,7 @@ def _aged(image: Image.Image, seed: int, amount: float = 0.25) -> Texture:
 
 
 def newspaper(seed: int, size: int = 1024) -> Texture:
-    """A front page: masthead, headline, four columns of small type, a halftone picture."""
+    """Draw a front page: masthead, headline, four columns of small type, a halftone picture."""
     rng = np.random.default_rng(seed)
     image = Image.new("RGB", (size, size), (226, 217, 196))
     draw, ink = ImageDraw.Draw(image), (28, 26, 24)
@@ -93,11 +93,11 @@ def newspaper(seed: int, size: int = 1024) -> Texture:
             "DejaVuSerif",
         )
         draw.line((left + width - 9, 262, left + width - 9, size - 30), ink, 1)
-    return _aged(image, seed)
+    return aged(image, seed)
 
 
 def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Texture:
-    """A poster: rings of spokes (a resolution chart), a title and lines of ever smaller type."""
+    """Draw a poster: rings of spokes (a resolution chart), a title and lines of ever smaller type."""
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:size, :size] - np.array([[[size * 0.42]], [[size * 0.5]]])
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
@@ -107,15 +107,15 @@ def poster(seed: int, back: Rgb, front: Rgb, title: str, size: int = 512) -> Tex
     draw = ImageDraw.Draw(image)
     draw.rectangle((8, 8, size - 9, size - 9), outline=front, width=4)
     draw.text((size // 2, 16), title, front, font(44, "DejaVuSans-Bold"), anchor="ma")
-    at = int(size * 0.74)
+    top = int(size * 0.74)
     for points in (30, 22, 16, 12, 9):
-        draw.text((size // 2, at), _prose(rng, 3 + 66 // points), front, font(points, "DejaVuSans"), anchor="ma")
-        at += round(points * 1.35)
-    return _aged(image, seed, 0.2)
+        draw.text((size // 2, top), _prose(rng, 3 + 66 // points), front, font(points, "DejaVuSans"), anchor="ma")
+        top += round(points * 1.35)
+    return aged(image, seed, 0.2)
 
 
 def inscription(text: str, width: int, height: int, points: int, seed: int) -> tuple[Texture, np.ndarray]:
-    """Text cut into stone, fitted to the whole width: albedo and its height field."""
+    """Return the albedo and the height field of text cut into stone, fitted to the whole width."""
     image = Image.new("L", (width, height), 255)
     draw, letters = ImageDraw.Draw(image), font(points, "DejaVuSerif-Bold")
     draw.text((width // 2, height // 2), text, 0, letters, anchor="mm")
@@ -129,7 +129,7 @@ def inscription(text: str, width: int, height: int, points: int, seed: int) -> t
 
 
 def spines(seed: int, size: int = 1024, columns: int = 16, rows: int = 4) -> Texture:
-    """Atlas of book spines, ``columns x rows``, each with a title that runs down it and gilded bands."""
+    """Draw an atlas of book spines, ``columns x rows``, each with a title that runs down it and gilded bands."""
     rng = np.random.default_rng(seed)
     width, height = size // columns, size // rows
     image = Image.new("RGB", (size, size))
@@ -146,11 +146,11 @@ def spines(seed: int, size: int = 1024, columns: int = 16, rows: int = 4) -> Tex
         draw.text((26, width // 2), title, ink, font(points, ("DejaVuSerif-Bold", "DejaVuSans")[k % 2]), anchor="lm")
         draw.text((height - 42, width // 2), str(k + 1), ink, font(16), anchor="lm")
         image.paste(book.rotate(-90, expand=True), ((k % columns) * width, (k // columns) * height))
-    return _aged(image, seed, 0.35)
+    return aged(image, seed, 0.35)
 
 
 def banner(seed: int, back: Rgb, front: Rgb, word: str, width: int = 256, height: int = 1024) -> Texture:
-    """Woven hanging banner: a border of triangles, a word that runs down it letter by letter, and small type."""
+    """Draw a woven hanging banner: a border of triangles, a word that runs down it letter by letter, and small type."""
     rng = np.random.default_rng(seed)
     image = Image.new("RGB", (width, height), back)
     draw = ImageDraw.Draw(image)
@@ -163,11 +163,11 @@ def banner(seed: int, back: Rgb, front: Rgb, word: str, width: int = 256, height
     _fill(draw, (26, height - 200, width - 26, height - 20), _prose(rng, 80), 15, front, "DejaVuSans")
     y, x = np.mgrid[:height, :width]
     weave = 0.8 + 0.2 * ((x // 2 + y // 2) % 2)
-    return picture(np.asarray(_aged(image, seed, 0.2), float) / 255 * weave[..., None])
+    return picture(np.asarray(aged(image, seed, 0.2), float) / 255 * weave[..., None])
 
 
 def label_sheet(seed: int, size: int = 1024, cells: int = 4) -> Texture:
-    """Atlas of ``cells x cells`` crate sides: planked wood with a printed label, a bar code and small type."""
+    """Draw an atlas of ``cells x cells`` crate sides: planks with a printed label, a bar code and small type."""
     rng = np.random.default_rng(seed)
     step = size // cells
     image = Image.new("RGB", (size, size))
@@ -189,39 +189,11 @@ def label_sheet(seed: int, size: int = 1024, cells: int = 4) -> Texture:
             draw.rectangle((x, step - 72, x + bar - 1, step - 48), ink)
             x += bar + int(rng.integers(2, 5))
         image.paste(side, ((k % cells) * step, (k // cells) * step))
-    return _aged(image, seed, 0.35)
-
-
-def gauge(seed: int, unit: str, size: int = 256) -> Texture:
-    """Dial: fine ticks over 270 degrees, numbers, a red sector."""
-    image = Image.new("RGB", (4 * size, 4 * size), (236, 232, 218))
-    draw, s, c = ImageDraw.Draw(image), 4 * size, 2 * size
-    draw.ellipse((4, 4, s - 4, s - 4), outline=(30, 30, 30), width=s // 30)
-    draw.arc((s * 0.1, s * 0.1, s * 0.9, s * 0.9), 340, 45, (200, 40, 30), s // 18)
-    for i in range(101):
-        angle = np.radians(135 + 2.7 * i)
-        inner = 0.34 if i % 10 == 0 else 0.37 if i % 5 == 0 else 0.385
-        x, y = np.cos(angle), np.sin(angle)
-        draw.line(
-            (c + s * inner * x, c + s * inner * y, c + s * 0.42 * x, c + s * 0.42 * y),
-            (20, 20, 20),
-            s // (140 if i % 10 else 80),
-        )
-        if i % 10 == 0:
-            draw.text(
-                (c + s * 0.28 * x, c + s * 0.28 * y),
-                str(i),
-                (20, 20, 20),
-                font(s // 16, "DejaVuSans-Bold"),
-                anchor="mm",
-            )
-    draw.text((c, s * 0.68), unit, (20, 20, 20), font(s // 13, "DejaVuSans-Bold"), anchor="mm")
-    draw.text((c, s * 0.8), f"No {4100 + seed}", (60, 60, 60), font(s // 24, "DejaVuSans"), anchor="mm")
-    return _aged(image.resize((size, size), Image.Resampling.BOX), seed, 0.12)
+    return aged(image, seed, 0.35)
 
 
 def notice(seed: int, head: str, back: Rgb, ink: Rgb, size: int = 512) -> Texture:
-    """Sign or plan: a heading, rules in several sizes, a table of figures."""
+    """Draw a sign or a plan: a heading, rules in several sizes, a table of figures."""
     rng = np.random.default_rng(seed)
     image = Image.new("RGB", (size, size), back)
     draw = ImageDraw.Draw(image)
@@ -234,4 +206,4 @@ def notice(seed: int, head: str, back: Rgb, ink: Rgb, size: int = 512) -> Textur
         draw.line((22, y, size - 22, y), ink, 1)
         for column in range(6):
             draw.text((28 + column * 78, y + 3), f"{rng.random() * 900:.2f}", ink, font(15, "DejaVuSansMono"))
-    return _aged(image, seed, 0.2)
+    return aged(image, seed, 0.2)

@@ -4,14 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from supersampling.scenes.kit.textures import Field, fractal, normals, picture, ramp, surface
-from supersampling.scenes.scene import Texture
-
-Maps = tuple[Texture, Texture, Texture]
+from supersampling.scenes.kit.textures import Field, Maps, fractal, normals, picture, ramp, surface
 
 
 def _dots(size: int, count: int, radius: float, edge_only: bool = False) -> Field:
-    """Domes at the middle of ``count x count`` cells, or only on the texture's border cells."""
+    """Return domes at the middle of ``count x count`` cells, or only on the texture's border cells."""
     y, x = np.mgrid[:size, :size] / size * count
     dome = np.clip(1 - np.hypot(x % 1 - 0.5, y % 1 - 0.5) / radius, 0, 1) ** 0.5
     if edge_only:
@@ -21,7 +18,7 @@ def _dots(size: int, count: int, radius: float, edge_only: bool = False) -> Fiel
 
 
 def riveted(size: int, seed: int, paint: Sequence[Sequence[float]]) -> Maps:
-    """Painted plates, two by two, with rivets along their edges, scratches to bare metal and rust."""
+    """Draw painted plates, two by two, with rivets along their edges, scratches to bare metal and rust."""
     half = size // 2
     rivet = np.tile(_dots(half, 12, 0.32, True), (2, 2))
     y, x = np.mgrid[:size, :size] % half
@@ -44,7 +41,7 @@ def riveted(size: int, seed: int, paint: Sequence[Sequence[float]]) -> Maps:
 
 
 def tread(size: int, seed: int) -> Maps:
-    """Checker plate: raised bars in alternating directions, worn bright."""
+    """Draw a checker plate: raised bars in alternating directions, worn bright."""
     y, x = np.mgrid[:size, :size] / size * 12
     odd = (np.floor(x) + np.floor(y)) % 2 > 0.5
     u, v = x % 1 - 0.5, y % 1 - 0.5
@@ -57,7 +54,7 @@ def tread(size: int, seed: int) -> Maps:
 
 
 def brushed(size: int, seed: int, stops: Sequence[Sequence[float]], metallic: float = 1.0) -> Maps:
-    """Machined metal: fine lines along u, dents and oil stains."""
+    """Draw machined metal: fine lines along u, dents and oil stains."""
     line, cloud = fractal(size, seed, 0.3, (1.0, 12.0)), fractal(size, seed + 1, 1.2)
     grain = fractal(size, seed + 2, 0.3)
     oil = np.clip((fractal(size, seed + 3, 1.0) - 0.7) * 6, 0, 1)
@@ -71,7 +68,7 @@ def brushed(size: int, seed: int, stops: Sequence[Sequence[float]], metallic: fl
 
 
 def corrugated(size: int, seed: int, paint: Sequence[Sequence[float]], waves: int = 12) -> Maps:
-    """Corrugated sheet, waves along v, with bolts, rust and streaks."""
+    """Draw a corrugated sheet, waves along v, with bolts, rust and streaks."""
     x = np.mgrid[:size, :size][1] / size * waves
     wave = 0.5 + 0.5 * np.sin(2 * np.pi * x)
     bolt = _dots(size, waves, 0.14) * (np.mgrid[:size, :size][0] % (size // 2) < size // waves)
@@ -88,7 +85,7 @@ def corrugated(size: int, seed: int, paint: Sequence[Sequence[float]], waves: in
 
 
 def concrete(size: int, seed: int) -> Maps:
-    """Floor slabs with cracks, aggregate and oil stains."""
+    """Draw floor slabs with cracks, aggregate and oil stains."""
     grain, cloud, oil = fractal(size, seed, 0.25), fractal(size, seed + 1, 1.2), fractal(size, seed + 2, 1.3)
     cracks = np.abs(fractal(size, seed + 3, 1.3) - 0.5) < 0.006
     y, x = np.mgrid[:size, :size]
@@ -103,7 +100,7 @@ def concrete(size: int, seed: int) -> Maps:
 
 
 def hazard(size: int, seed: int, stripes: int = 4) -> Maps:
-    """Diagonal black and yellow stripes, worn."""
+    """Draw diagonal black and yellow stripes, worn."""
     y, x = np.mgrid[:size, :size] / size
     dark = ((x + y) * stripes) % 1 < 0.5
     wear, grain = fractal(size, seed, 0.8), fractal(size, seed + 1, 0.3)
@@ -113,7 +110,7 @@ def hazard(size: int, seed: int, stripes: int = 4) -> Maps:
 
 
 def embers(size: int, seed: int) -> Maps:
-    """Glowing coals: dark crust over orange cracks; the emission mask is in the surface map."""
+    """Draw glowing coals: dark crust over orange cracks; the emission mask is in the surface map."""
     crust, glow = fractal(size, seed, 0.9), fractal(size, seed + 1, 1.1)
     vein = np.clip(1.2 - np.abs(crust - 0.5) * 5, 0, 1)
     heat = np.clip(0.25 + 0.75 * vein * (0.4 + glow), 0, 1)

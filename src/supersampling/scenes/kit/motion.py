@@ -15,7 +15,7 @@ def translation(offset: ArrayLike) -> Matrix:
 
 
 def rotation(axis: ArrayLike, angle: float) -> Matrix:
-    """Rotation by ``angle`` radians about ``axis`` (Rodrigues)."""
+    """Return the rotation by ``angle`` radians about ``axis`` (Rodrigues)."""
     x, y, z = np.asarray(axis, float) / np.linalg.norm(np.asarray(axis, float))
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     matrix = np.eye(4)
@@ -24,53 +24,53 @@ def rotation(axis: ArrayLike, angle: float) -> Matrix:
 
 
 def spin(origin: ArrayLike, axis: ArrayLike, hertz: float, phase: float = 0.0) -> Transform:
-    """Steady rotation about ``axis`` through ``origin``, where the object's own origin goes; ``phase`` in radians."""
+    """Return a steady rotation about ``axis`` through ``origin``, where the object's origin is; phase in radians."""
     place = translation(origin)
 
-    def at(seconds: float) -> Array:
+    def pose(seconds: float) -> Array:
         return (place @ rotation(axis, 2 * np.pi * hertz * seconds + phase)).astype(np.float32)
 
-    return at
+    return pose
 
 
 def sway(pivot: ArrayLike, axis: ArrayLike, degrees: float, hertz: float, phase: float = 0.0) -> Transform:
-    """Pendulum of amplitude ``degrees`` about ``axis`` through ``pivot``, where the object's own origin goes."""
+    """Return a pendulum of amplitude ``degrees`` about ``axis`` through ``pivot``, where the object's origin is."""
     place, amplitude = translation(pivot), np.radians(degrees)
 
-    def at(seconds: float) -> Array:
+    def pose(seconds: float) -> Array:
         return (place @ rotation(axis, amplitude * np.sin(2 * np.pi * hertz * seconds + phase))).astype(np.float32)
 
-    return at
+    return pose
+
+
+def fixed(place: Matrix) -> Transform:
+    """Return a place that does not move, to be the first of a `chain`."""
+    matrix = place.astype(np.float32)
+
+    def pose(_: float) -> Array:
+        return matrix
+
+    return pose
 
 
 def shuttle(a: ArrayLike, b: ArrayLike, hertz: float, phase: float = 0.0) -> Transform:
-    """Sinusoidal travel of the object's own origin between ``a`` and ``b``."""
+    """Return a sinusoidal travel of the object's own origin between ``a`` and ``b``."""
     start, end = np.asarray(a, float), np.asarray(b, float)
 
-    def at(seconds: float) -> Array:
+    def pose(seconds: float) -> Array:
         share = 0.5 - 0.5 * np.cos(2 * np.pi * hertz * seconds + phase)
         return translation(start + share * (end - start)).astype(np.float32)
 
-    return at
+    return pose
 
 
 def chain(first: Transform, *rest: Transform) -> Transform:
-    """Each motion inside the frame of the one before."""
+    """Return a motion in which each motion runs inside the frame of the one before."""
 
-    def at(seconds: float) -> Array:
+    def pose(seconds: float) -> Array:
         matrix = first(seconds)
         for motion in rest:
             matrix = matrix @ motion(seconds)
         return matrix
 
-    return at
-
-
-def turned(degrees: float, motion: Transform) -> Transform:
-    """``motion`` with its whole world turned about the vertical axis by ``degrees``."""
-    matrix = rotation((0, 1, 0), np.radians(degrees)).astype(np.float32)
-
-    def at(seconds: float) -> Array:
-        return matrix @ motion(seconds)
-
-    return at
+    return pose

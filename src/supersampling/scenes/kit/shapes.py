@@ -11,20 +11,23 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supersampling.scenes.kit.motion import rotation
+
 Floats = NDArray[np.float64]
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """``positions (N, 3)``, unit ``normals (N, 3)``, ``uv (N, 2)``, ``triangles (M, 3)``."""
+    """Triangles: ``positions (N, 3)``, unit ``normals (N, 3)``, ``uv (N, 2)``, ``triangles (M, 3)``."""
 
     positions: Floats
     normals: Floats
     uv: Floats
     triangles: NDArray[np.int64]
 
-    def at(self, matrix: Floats) -> "Shape":
-        """Moved by a rigid ``(4, 4)`` matrix."""
+    def transform(self, matrix: Floats) -> "Shape":
+        """Move by a rigid ``(4, 4)`` matrix."""
         turn = matrix[:3, :3]
         return Shape(self.positions @ turn.T + matrix[:3, 3], self.normals @ turn.T, self.uv, self.triangles)
 
@@ -32,18 +35,27 @@ class Shape:
         return Shape(self.positions + np.array([x, y, z]), self.normals, self.uv, self.triangles)
 
     def turn_y(self, degrees: float) -> "Shape":
-        """Turned about the vertical axis, counter-clockwise from above."""
+        """Rotate about the vertical axis, counter-clockwise as seen from above."""
         c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
         matrix = np.eye(4)
         matrix[:3, :3] = [[c, 0, s], [0, 1, 0], [-s, 0, c]]
-        return self.at(matrix)
+        return self.transform(matrix)
+
+    def turn(self, axis: ArrayLike, degrees: float) -> "Shape":
+        """Rotate about ``axis`` through the origin (right-hand rule)."""
+        return self.transform(rotation(axis, np.radians(degrees)))
 
     def map_uv(self, scale: tuple[float, float], offset: tuple[float, float] = (0.0, 0.0)) -> "Shape":
         return Shape(self.positions, self.normals, self.uv * scale + offset, self.triangles)
 
 
+def atlas_cell(columns: int, rows: int, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the uv scale and offset of one cell of an atlas."""
+    return (1 / columns, 1 / rows), ((index % columns) / columns, (index // columns % rows) / rows)
+
+
 def join(shapes: Sequence[Shape]) -> Shape:
-    """One shape of several."""
+    """Join several shapes into one."""
     starts = np.cumsum([0] + [len(s.positions) for s in shapes[:-1]])
     return Shape(
         np.concatenate([s.positions for s in shapes]),
@@ -54,10 +66,13 @@ def join(shapes: Sequence[Shape]) -> Shape:
 
 
 def grid(points: Floats, normals: Floats, uv: Floats) -> Shape:
-    """Surface through ``points (R, C, 3)``: rows run down, columns right, as seen from the front. Drops empty triangles."""
+    """Return the surface through ``points (R, C, 3)``, without its empty triangles.
+
+    Rows run down and columns right, as seen from the front.
+    """
     rows, columns = points.shape[:2]
-    at = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
     triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
     flat = points.reshape(-1, 3)
     p, q, r = (flat[triangles[:, i]] for i in range(3))
@@ -66,7 +81,7 @@ def grid(points: Floats, normals: Floats, uv: Floats) -> Shape:
 
 
 def quad(corner: ArrayLike, right: ArrayLike, down: ArrayLike, cells: tuple[int, int] = (1, 1)) -> Shape:
-    """Flat panel from its top-left ``corner``; uv run from 0 to 1. ``cells`` are (rows, columns)."""
+    """Return a flat panel from its top-left ``corner``; uv run from 0 to 1. ``cells`` are (rows, columns)."""
     start, x, y = (np.asarray(v, float) for v in (corner, right, down))
     v, u = np.meshgrid(np.linspace(0, 1, cells[0] + 1), np.linspace(0, 1, cells[1] + 1), indexing="ij")
     normal = np.cross(x, -y)
@@ -75,7 +90,7 @@ def quad(corner: ArrayLike, right: ArrayLike, down: ArrayLike, cells: tuple[int,
 
 
 def panel(corner: ArrayLike, right: ArrayLike, down: ArrayLike, cells: tuple[int, int] = (1, 1)) -> Shape:
-    """`quad` with metric uv that continue across neighbouring panels of one plane."""
+    """Return a `quad` with metric uv that continue across neighbouring panels of one plane."""
     x, y = np.asarray(right, float), np.asarray(down, float)
     flat = quad(corner, x, y, cells)
     axes = np.stack([x / np.linalg.norm(x), y / np.linalg.norm(y)], 1)
@@ -94,7 +109,10 @@ ALL = tuple(_FACES)
 
 
 def box(size: ArrayLike, centre: ArrayLike = (0, 0, 0), faces: Sequence[str] = ALL, fit: bool = False) -> Shape:
-    """Box with metric uv, or with every face's uv from 0 to 1 (``fit``). ``front`` looks along +z, ``right`` along +x."""
+    """Return a box with metric uv, or with the uv of every face from 0 to 1 (``fit``).
+
+    ``front`` looks along +z, ``right`` along +x.
+    """
     extent, middle = np.asarray(size, float), np.asarray(centre, float)
     sides = []
     for face in faces:
@@ -106,16 +124,16 @@ def box(size: ArrayLike, centre: ArrayLike = (0, 0, 0), faces: Sequence[str] = A
 
 
 def beam(a: ArrayLike, b: ArrayLike, width: float, height: float | None = None) -> Shape:
-    """Rectangular bar from ``a`` to ``b``; u runs across, v along it, in metres."""
+    """Return a rectangular bar from ``a`` to ``b``; u runs across, v along it, in metres."""
     start, end = np.asarray(a, float), np.asarray(b, float)
     along = end - start
     length = float(np.linalg.norm(along))
     bar = box((width, length, height or width), (0, length / 2, 0))
-    return bar.at(_frame(start, along / length))
+    return bar.transform(_frame(start, along / length))
 
 
 def _frame(origin: Floats, up: Floats) -> Floats:
-    """Rigid matrix that takes +y to ``up`` and the origin to ``origin``."""
+    """Return the rigid matrix that takes +y to ``up`` and the origin to ``origin``."""
     helper = np.array([0.0, 0.0, 1.0]) if abs(up[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
     x = np.cross(up, helper)
     x /= np.linalg.norm(x)
@@ -126,10 +144,10 @@ def _frame(origin: Floats, up: Floats) -> Floats:
 
 
 def lathe(profile: ArrayLike, segments: int = 24, flutes: int = 0, depth: float = 0.0) -> Shape:
-    """Profile ``(R, 2)`` of (radius, y), from top to bottom, turned about the y axis; u is arc length at the mean radius.
+    """Return the profile ``(R, 2)`` of (radius, y), from top to bottom, turned about the y axis.
 
-    ``flutes`` vertical grooves of relative ``depth`` are cut where the profile runs straight down. Edges of more than
-    40 degrees stay sharp.
+    u is arc length at the mean radius. ``flutes`` vertical grooves of relative ``depth`` are cut where the profile runs
+    straight down. Edges of more than 40 degrees stay sharp.
     """
     points = np.asarray(profile, float)
     step = np.diff(points, axis=0)
@@ -141,10 +159,10 @@ def lathe(profile: ArrayLike, segments: int = 24, flutes: int = 0, depth: float 
     parts = []
     for i in range(len(step)):
         pair = []
-        for j, other in ((i, i - 1), (i + 1, i + 1)):
+        for j, neighbour in ((i, i - 1), (i + 1, i + 1)):
             normal = flat[i].copy()
-            if 0 <= other < len(step) and flat[i] @ flat[other] > 0.766:
-                normal += flat[other]
+            if 0 <= neighbour < len(step) and flat[i] @ flat[neighbour] > 0.766:
+                normal += flat[neighbour]
             pair.append((points[j], normal / np.linalg.norm(normal), travelled[j]))
         groove = depth * (0.5 - 0.5 * np.cos(flutes * angle)) if abs(step[i, 0]) < 0.2 * length[i] else 0 * angle
         slope = np.gradient(groove, angle) if groove.any() else groove
@@ -161,7 +179,7 @@ def lathe(profile: ArrayLike, segments: int = 24, flutes: int = 0, depth: float 
 
 
 def cylinder(radius: float, height: float, segments: int = 12, caps: bool = True) -> Shape:
-    """Upright cylinder, centred."""
+    """Return an upright cylinder, centred."""
     side = [(radius, height / 2), (radius, -height / 2)]
     return lathe([(0, height / 2), *side, (0, -height / 2)] if caps else side, segments)
 
@@ -172,7 +190,7 @@ def sphere(radius: float, segments: int = 24) -> Shape:
 
 
 def tube(path: ArrayLike, radius: float, sides: int = 6, closed: bool = False) -> Shape:
-    """Round tube along ``path (P, 3)``, without caps; u around it, v along it, in metres."""
+    """Return a round tube along ``path (P, 3)``, without caps; u around it, v along it, in metres."""
     line = np.asarray(path, float)
     if closed:
         line = np.concatenate([line, line[:1]])
@@ -185,9 +203,9 @@ def tube(path: ArrayLike, radius: float, sides: int = 6, closed: bool = False) -
         last = last - t * (last @ t)
         last = last / np.linalg.norm(last)
         side[i] = last
-    other = np.cross(tangent, side)
+    across = np.cross(tangent, side)
     angle = np.linspace(0, 2 * np.pi, sides + 1)
-    around = np.cos(angle)[None, :, None] * side[:, None] + np.sin(angle)[None, :, None] * other[:, None]
+    around = np.cos(angle)[None, :, None] * side[:, None] + np.sin(angle)[None, :, None] * across[:, None]
     v = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     uv = np.stack(np.broadcast_arrays(angle[None] * radius, -v[:, None]), -1)
     # Rows must run against the tangent for the outside to be the front.
@@ -195,7 +213,7 @@ def tube(path: ArrayLike, radius: float, sides: int = 6, closed: bool = False) -
 
 
 def plate(outer: ArrayLike, inner: ArrayLike, depth: float, closed: bool = False) -> Shape:
-    """Flat ribbon between two polylines ``(N, 2)`` of the xy plane, ``depth`` thick about z = 0.
+    """Return a flat ribbon between two polylines ``(N, 2)`` of the xy plane, ``depth`` thick about z = 0.
 
     Both run counter-clockwise as seen from +z (right to left for an arch: ``outer`` is its top). Metric uv.
     """
@@ -216,7 +234,7 @@ def plate(outer: ArrayLike, inner: ArrayLike, depth: float, closed: bool = False
 
 
 def _wall(line: Floats, half: float) -> Shape:
-    """Flat-shaded side of a plate: ``line`` has the solid on its left."""
+    """Return a flat-shaded side of a plate; the solid is on the left of ``line``."""
     sides = []
     for p, q in pairwise(line):
         if np.linalg.norm(q - p) > 1e-6:

@@ -1,20 +1,16 @@
-"""Where a part made in its own frame goes: turned about y, then moved on the ground."""
+"""Places for parts in frames of their own: turned about y, then moved on the ground."""
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from supersampling.scenes.kit.builder import Builder, Color
-from supersampling.scenes.kit.motion import Matrix
 from supersampling.scenes.kit.shapes import Shape
-from supersampling.scenes.scene import Array, Transform
 
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
 class Site:
-    """Puts shapes of a local frame into the builder; ``turn`` in degrees, ``x`` and ``z`` in metres."""
+    """Local frame from which shapes are put into the builder; ``turn`` in degrees, ``x`` and ``z`` in metres."""
 
     builder: Builder
     turn: float
@@ -23,13 +19,3 @@ class Site:
 
     def put(self, shape: Shape, material: int, color: Color = WHITE) -> None:
         self.builder.put(shape.turn_y(self.turn).shift(self.x, 0, self.z), material, color)
-
-
-def held(place: Matrix) -> Transform:
-    """A place that stays, to be the first of a `chain`."""
-    matrix = place.astype(np.float32)
-
-    def at(_: float) -> Array:
-        return matrix
-
-    return at

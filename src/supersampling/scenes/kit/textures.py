@@ -13,10 +13,11 @@ from skimage import data, transform
 from supersampling.scenes.scene import Texture
 
 Field = NDArray[np.float64]
+Maps = tuple[Texture, Texture, Texture]  # albedo, normal, surface
 
 
 def fractal(size: int, seed: int, slope: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)) -> Field:
-    """Periodic noise of spectrum ``1 / f^slope``, its middle 98% spread over [0, 1].
+    """Return periodic noise of spectrum ``1 / f^slope``, its middle 98% spread over [0, 1].
 
     ``stretch`` (down, right) > 1 draws it out.
     """
@@ -31,18 +32,21 @@ def fractal(size: int, seed: int, slope: float = 1.0, stretch: tuple[float, floa
 
 
 def picture(color: ArrayLike) -> Texture:
-    """Float RGB(A) in [0, 1] to uint8, rounded."""
+    """Convert float RGB(A) in [0, 1] to uint8, rounded."""
     return (np.clip(np.asarray(color), 0, 1) * 255 + 0.5).astype(np.uint8)
 
 
 def ramp(field: Field, stops: Sequence[Sequence[float]]) -> Field:
-    """Colours ``(..., 3)`` by linear interpolation of evenly spaced sRGB ``stops``."""
-    at = np.linspace(0, 1, len(stops))
-    return np.stack([np.interp(field, at, [s[i] for s in stops]) for i in range(3)], -1)
+    """Return colours ``(..., 3)`` by linear interpolation of evenly spaced sRGB ``stops``."""
+    places = np.linspace(0, 1, len(stops))
+    return np.stack([np.interp(field, places, [s[i] for s in stops]) for i in range(3)], -1)
 
 
 def normals(height: Field, strength: float) -> Texture:
-    """Tangent-space normal map of a periodic height field; ``strength`` is height in texels. Green points up the image."""
+    """Return the tangent-space normal map of a periodic height field; green points up the image.
+
+    ``strength`` is the height in texels.
+    """
     dx = (np.roll(height, -1, 1) - np.roll(height, 1, 1)) / 2 * strength
     dy = (np.roll(height, -1, 0) - np.roll(height, 1, 0)) / 2 * strength
     normal = np.stack([-dx, dy, np.ones_like(dx)], -1)
@@ -50,20 +54,20 @@ def normals(height: Field, strength: float) -> Texture:
 
 
 def surface(roughness: ArrayLike, metallic: ArrayLike = 0.0, emission: ArrayLike = 1.0) -> Texture:
-    """Surface map (R roughness, G metallic, B emission mask) of fields or constants."""
+    """Return the surface map (R roughness, G metallic, B emission mask) of fields or constants."""
     return picture(np.stack(np.broadcast_arrays(*(np.asarray(v, float) for v in (roughness, metallic, emission))), -1))
 
 
 @cache
 def photo(name: str) -> Field:
-    """scikit-image's ``gravel`` or ``grass`` (CC0), 512 x 512, made to repeat by blending with a shifted copy."""
+    """Return scikit-image's ``gravel`` or ``grass`` (CC0), 512 x 512, blended with a shifted copy: it repeats."""
     image = getattr(data, name)().astype(float) / 255
     ramp_up = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(512) + 0.5) / 512)
     weight = np.minimum(ramp_up[:, None], ramp_up[None])
     weight = np.clip((weight - 0.02) * 4, 0, 1)
-    other = np.roll(image, (256, 256), (0, 1))
+    shifted = np.roll(image, (256, 256), (0, 1))
     mean = image.mean()
-    mixed = (weight * (image - mean) + (1 - weight) * (other - mean)) / np.hypot(weight, 1 - weight)
+    mixed = (weight * (image - mean) + (1 - weight) * (shifted - mean)) / np.hypot(weight, 1 - weight)
     return np.clip(mixed + mean, 0, 1)
 
 
@@ -74,7 +78,7 @@ def resized(field: Field, size: int) -> Field:
 def masonry(
     size: int, rows: int, columns: int, gap: float, seed: int, shift: float = 0.5
 ) -> tuple[Field, Field, Field]:
-    """Running bond: (1 inside a stone, 0 in the joint; a random value per stone; height with rounded edges)."""
+    """Return running bond: 1 inside a stone and 0 in the joint; a random value per stone; height with rounded edges."""
     y, x = np.mgrid[:size, :size] / size
     row = np.floor(y * rows).astype(int)
     along = x * columns + shift * (row % 2)
@@ -88,10 +92,8 @@ def masonry(
     return inside, value, np.clip((distance - gap / 2) / (gap * 1.2), 0, 1) ** 0.5
 
 
-def bricks(
-    size: int, rows: int, columns: int, stops: Sequence[Sequence[float]], seed: int
-) -> tuple[Texture, Texture, Texture]:
-    """Brick wall: albedo, normal, surface."""
+def bricks(size: int, rows: int, columns: int, stops: Sequence[Sequence[float]], seed: int) -> Maps:
+    """Draw a brick wall: albedo, normal, surface."""
     inside, value, height = masonry(size, rows, columns, 0.012, seed)
     grain, stain, pits = (
         fractal(size, seed + 2, 0.35),
@@ -106,10 +108,8 @@ def bricks(
     return albedo, normals(relief, 7.0), surface(0.72 + 0.25 * grain)
 
 
-def floor_tiles(
-    size: int, count: int, colors: Sequence[Sequence[Sequence[float]]], seed: int
-) -> tuple[Texture, Texture, Texture]:
-    """Checkered marble with veins, inlaid diamonds and joints: albedo, normal, surface."""
+def floor_tiles(size: int, count: int, colors: Sequence[Sequence[Sequence[float]]], seed: int) -> Maps:
+    """Draw checkered marble with veins, inlaid diamonds and joints: albedo, normal, surface."""
     inside, value, height = masonry(size, count, count, 0.006, seed, 0.0)
     y, x = np.mgrid[:size, :size] / size * count
     checker = (np.floor(x) + np.floor(y)) % 2
@@ -129,8 +129,8 @@ def floor_tiles(
     )
 
 
-def cobbles(size: int, seed: int) -> tuple[Texture, Texture, Texture]:
-    """Rounded setts in running bond with grit between: albedo, normal, surface."""
+def cobbles(size: int, seed: int) -> Maps:
+    """Draw rounded setts in running bond with grit between: albedo, normal, surface."""
     inside, value, height = masonry(size, 12, 12, 0.014, seed)
     grit = resized(photo("gravel"), size)
     tone = np.clip(value * 0.7 + 0.6 * (grit - 0.4), 0, 1)
@@ -143,8 +143,8 @@ def cobbles(size: int, seed: int) -> tuple[Texture, Texture, Texture]:
     )
 
 
-def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4) -> tuple[Texture, Texture, Texture]:
-    """Ashlar blocks with pits and chisel marks: albedo, normal, surface."""
+def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4) -> Maps:
+    """Draw ashlar blocks with pits and chisel marks: albedo, normal, surface."""
     inside, value, height = masonry(size, rows, max(rows // 2, 1), 0.006, seed)
     grain, cloud = fractal(size, seed + 1, 0.35), fractal(size, seed + 2, 1.2)
     chisel = fractal(size, seed + 3, 0.5, (1.0, 6.0))
@@ -159,8 +159,8 @@ def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4)
     )
 
 
-def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6) -> tuple[Texture, Texture, Texture]:
-    """Planks along v with grain: albedo, normal, surface."""
+def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6) -> Maps:
+    """Draw planks along v with grain: albedo, normal, surface."""
     x = np.mgrid[:size, :size][1] / size * planks
     value = np.random.default_rng(seed).random(planks)[np.floor(x).astype(int) % planks]
     warp = fractal(size, seed + 1, 1.4, (0.35, 3.0))
@@ -172,17 +172,18 @@ def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6
     return picture(albedo), normals(0.5 * fibre + 0.3 * rings - 0.8 * gap, 4.0), surface(0.45 + 0.35 * fibre)
 
 
-def rough(
-    size: int, seed: int, stops: Sequence[Sequence[float]], base: str = "gravel"
-) -> tuple[Texture, Texture, Texture]:
-    """Ground from one of scikit-image's photographs: albedo, normal, surface."""
+def rough(size: int, seed: int, stops: Sequence[Sequence[float]], base: str = "gravel") -> Maps:
+    """Draw ground from one of scikit-image's photographs: albedo, normal, surface."""
     field, cloud = resized(photo(base), size), fractal(size, seed, 1.2)
     tone = np.clip(field * 0.8 + 0.35 * (cloud - 0.5) + 0.1, 0, 1)
     return picture(ramp(tone, stops)), normals(field, 5.0), surface(0.75 + 0.2 * field)
 
 
 def lattice(size: int, cells: int, bar: float, color: Sequence[float], seed: int, slant: bool = False) -> Texture:
-    """Woven bars with holes, RGBA: alpha is the metal; ``slant`` turns the weave by 45 degrees; ``bar`` is a share of a cell."""
+    """Draw woven bars with holes, RGBA; alpha is 0 in the holes.
+
+    ``slant`` turns the weave by 45 degrees; ``bar`` is the width of a bar as a share of a cell.
+    """
     y, x = np.mgrid[:size, :size] / size * cells
     if slant:
         x, y = x + y, x - y
@@ -194,7 +195,7 @@ def lattice(size: int, cells: int, bar: float, color: Sequence[float], seed: int
 
 
 def foliage(size: int, seed: int, count: int, stops: Sequence[Sequence[float]]) -> Texture:
-    """Scattered leaves with a midrib, RGBA, alpha outside them 0; repeats."""
+    """Draw scattered leaves with a midrib, RGBA, alpha 0 outside of them; repeats."""
     rng = np.random.default_rng(seed)
     image = np.zeros((size, size, 4))
     image[..., :3] = stops[0]

@@ -1,4 +1,4 @@
-"""The four sides of the louvred street: the pavilion of fins, the row of shops, the sheet-metal hall and the lattice."""
+"""The sides of the louvred street: the pavilion of fins, the row of shops, the sheet-metal hall and the lattice."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ FLOOR = 3.3  # height of the upper storey's floor
 
 
 def ground(b: Builder, p: Palette) -> None:
-    """Pavers, dark bands across, drains with gratings along both sides."""
+    """Add pavers, dark bands across, drains with gratings along both sides."""
     b.put(panel((-40, 0, -30), (80, 0, 0), (0, 0, 60)), p.paving)
     for x in (-12.0, -4.0, 4.0, 12.0):
         b.put(panel((x - 0.3, 0.003, NORTH), (0.6, 0, 0), (0, 0, SOUTH - NORTH)), p.band)
@@ -23,7 +23,7 @@ def ground(b: Builder, p: Palette) -> None:
 
 
 def pavilion(b: Builder, p: Palette) -> None:
-    """North side, in the sun: timber fins before white battens below, tilted louvres and a balcony above."""
+    """Add the north side, in the sun: timber fins before white battens, tilted louvres and a balcony above."""
     z = NORTH
     b.put(panel((-HALF_X, 7.4, z - 0.8), (2 * HALF_X, 0, 0), (0, -7.4, 0)), p.clay)
     b.put(box((2 * HALF_X, 0.24, 2.0), (0, FLOOR - 0.12, z)), p.pale)
@@ -50,14 +50,14 @@ def pavilion(b: Builder, p: Palette) -> None:
 
 
 def shops(b: Builder, p: Palette) -> None:
-    """South side, in the shade: shops with awnings, blinds and shutters; windows with blinds and fins above."""
+    """Add the south side, in the shade: shops with awnings, blinds and shutters; windows with blinds and fins above."""
     for shape, material in _shop_front(p):
         b.put(shape.turn_y(180).shift(0, 0, SOUTH), material)
 
 
 def _shop_front(p: Palette) -> list[tuple[Shape, int]]:
-    """The row of shops as it looks along +z from z = 0."""
-    found = [
+    """Return the row of shops as it looks along +z from z = 0."""
+    pieces = [
         (panel((-HALF_X, 7.6, 0), (2 * HALF_X, 0, 0), (0, -7.6, 0)), p.pale),
         (box((2 * HALF_X, 0.16, 0.3), (0, FLOOR + 0.08, 0.15)), p.white),
         (box((2 * HALF_X, 0.3, 0.5), (0, 7.0, 0.25)), p.white),
@@ -65,38 +65,38 @@ def _shop_front(p: Palette) -> list[tuple[Shape, int]]:
         (parts.fins(2 * HALF_X, 0.2, 0.1, 0.045, 0.08).shift(0, 6.66, 0.1), p.white),
     ]
     for k, x in enumerate(BAYS):
-        found += _ground_floor(p, k, float(x)) + _upper_floor(p, k, float(x))
-    return found
+        pieces += _ground_floor(p, k, float(x)) + _upper_floor(p, k, float(x))
+    return pieces
 
 
 def _ground_floor(p: Palette, k: int, x: float) -> list[tuple[Shape, int]]:
-    """A shop: window with a blind, pinstriped curtain or shutter; awning over most."""
+    """Return a shop: window with a blind, pinstriped curtain or shutter; awning over most of them."""
     paint = (p.blue, p.rust, p.sage, p.mustard)[k % 4]
-    found = [(parts.frame(3.0, 2.1).shift(x, 0.55, 0.06), paint)]
+    pieces = [(parts.frame(3.0, 2.1).shift(x, 0.55, 0.06), paint)]
     if k % 3 == 0:
-        found.append((parts.shutter(3.0, 2.1, 0.05).shift(x, 0.55, 0.04), p.white))
+        pieces.append((parts.shutter(3.0, 2.1, 0.05).shift(x, 0.55, 0.04), p.white))
     elif k % 3 == 1:
-        found.append((panel((x - 1.5, 2.65, 0.01), (3.0, 0, 0), (0, -2.1, 0)), p.shade))
-        found.append((parts.slats(2.96, 2.08, 0.038, 0.005, 0.03, 30).shift(x, 0.56, 0.05), p.white))
+        pieces.append((panel((x - 1.5, 2.65, 0.01), (3.0, 0, 0), (0, -2.1, 0)), p.shade))
+        pieces.append((parts.slats(2.96, 2.08, 0.038, 0.005, 0.03, 30).shift(x, 0.56, 0.05), p.white))
     else:
-        found.append((panel((x - 1.5, 2.65, 0.015), (3.0, 0, 0), (0, -2.1, 0)), p.pinstripe))
-        found.append((box((0.06, 2.1, 0.06), (x, 1.6, 0.05)), paint))
+        pieces.append((panel((x - 1.5, 2.65, 0.015), (3.0, 0, 0), (0, -2.1, 0)), p.pinstripe))
+        pieces.append((box((0.06, 2.1, 0.06), (x, 1.6, 0.05)), paint))
     if k % 4 != 3:
         cloth, arms = parts.awning(3.4, 1.15, 0.55)
-        found += [(cloth.shift(x, 3.2, 0.02), p.awnings[k % 3]), (arms.shift(x, 3.2, 0.02), p.white)]
+        pieces += [(cloth.shift(x, 3.2, 0.02), p.awnings[k % 3]), (arms.shift(x, 3.2, 0.02), p.white)]
     else:
-        found.append((parts.fins(3.2, 0.4, 0.05, 0.02, 0.04).shift(x, 2.78, 0.06), paint))
-    return found
+        pieces.append((parts.fins(3.2, 0.4, 0.05, 0.02, 0.04).shift(x, 2.78, 0.06), paint))
+    return pieces
 
 
 def _upper_floor(p: Palette, k: int, x: float) -> list[tuple[Shape, int]]:
-    """Two windows with folding blinds of slats, or a screen of slanting fins."""
+    """Return two windows with folding blinds of slats, or a screen of slanting fins."""
     y = FLOOR + 0.85
-    found: list[tuple[Shape, int]] = []
+    pieces: list[tuple[Shape, int]] = []
     if k % 2 == 0:
         for dx in (-0.95, 0.95):
-            found.append((parts.frame(0.95, 1.7, 0.06, 0.1).shift(x + dx, y, 0.05), p.white))
-            found.append(
+            pieces.append((parts.frame(0.95, 1.7, 0.06, 0.1).shift(x + dx, y, 0.05), p.white))
+            pieces.append(
                 (
                     panel((x + dx - 0.475, y + 1.7, 0.01), (0.95, 0, 0), (0, -1.7, 0)),
                     (p.ticking, p.shade)[k // 2 % 2],
@@ -104,45 +104,45 @@ def _upper_floor(p: Palette, k: int, x: float) -> list[tuple[Shape, int]]:
             )
             for side in (-1, 1):
                 leaf = parts.slats(0.44, 1.66, 0.038, 0.008, 0.032, 35).shift(x + dx + side * 0.75, y + 0.02, 0.05)
-                found.append((leaf, (p.sage, p.blue, p.rust)[k // 2 % 3]))
+                pieces.append((leaf, (p.sage, p.blue, p.rust)[k // 2 % 3]))
                 for edge in (-0.23, 0.23):
-                    found.append((box((0.03, 1.74, 0.05), (x + dx + side * 0.75 + edge, y + 0.85, 0.05)), p.white))
-        found.append((parts.railing(2.6, 0.8, 0.055, 0.006).shift(x, FLOOR + 0.16, 0.62), p.dark))
-        found.append((box((2.8, 0.1, 0.7), (x, FLOOR + 0.11, 0.35)), p.white))
+                    pieces.append((box((0.03, 1.74, 0.05), (x + dx + side * 0.75 + edge, y + 0.85, 0.05)), p.white))
+        pieces.append((parts.railing(2.6, 0.8, 0.055, 0.006).shift(x, FLOOR + 0.16, 0.62), p.dark))
+        pieces.append((box((2.8, 0.1, 0.7), (x, FLOOR + 0.11, 0.35)), p.white))
     else:
-        found.append((panel((x - 1.6, FLOOR + 3.1, 0.02), (3.2, 0, 0), (0, -2.7, 0)), p.shade))
-        found.append(
+        pieces.append((panel((x - 1.6, FLOOR + 3.1, 0.02), (3.2, 0, 0), (0, -2.7, 0)), p.shade))
+        pieces.append(
             (
                 parts.fins(3.2, 2.7, 0.055, 0.012, 0.05, 40).shift(x, FLOOR + 0.4, 0.08),
                 (p.mustard, p.rust)[k // 2 % 2],
             )
         )
-        found += [(box((3.4, 0.1, 0.2), (x, yy, 0.1)), p.white) for yy in (FLOOR + 0.35, FLOOR + 3.15)]
-    return found
+        pieces += [(box((3.4, 0.1, 0.2), (x, yy, 0.1)), p.white) for yy in (FLOOR + 0.35, FLOOR + 3.15)]
+    return pieces
 
 
 def hall(b: Builder, p: Palette) -> None:
-    """East end: a hall of corrugated sheets with ventilation louvres, behind a wire fence."""
-    put = [(parts.corrugated(16.0, 5.2, 0.065, 0.022).shift(0, 1.0, 0), p.sage)]
-    put.append((box((16.0, 1.0, 0.2), (0, 0.5, 0), ("front", "top")), p.band))
+    """Add the east end: a hall of corrugated sheets with ventilation louvres, behind a wire fence."""
+    pieces = [(parts.corrugated(16.0, 5.2, 0.065, 0.022).shift(0, 1.0, 0), p.sage)]
+    pieces.append((box((16.0, 1.0, 0.2), (0, 0.5, 0), ("front", "top")), p.band))
     for k in range(4):
         x = -6.0 + 4.0 * k
-        put.append((box((3.9, 0.1, 1.4), (x, 6.25 + 0.35, -0.5)), p.white))
-        put.append((parts.slats(3.8, 0.9, 0.06, 0.01, 0.05, 35).shift(x, 6.3 + 0.35, 0.05), p.white))
-        put.append((panel((x - 1.9, 7.6, -0.05), (3.8, 0, 0), (0, -1.0, 0)), p.shade))
-        put.append((parts.frame(1.8, 1.2, 0.08, 0.16).shift(x, 2.6, 0.05), p.white))
-        put.append((panel((x - 0.9, 3.8, 0.03), (1.8, 0, 0), (0, -1.2, 0)), p.shade))
-        put.append((parts.slats(1.8, 1.2, 0.048, 0.01, 0.04, 35).shift(x, 2.6, 0.07), p.dark))
+        pieces.append((box((3.9, 0.1, 1.4), (x, 6.25 + 0.35, -0.5)), p.white))
+        pieces.append((parts.slats(3.8, 0.9, 0.06, 0.01, 0.05, 35).shift(x, 6.3 + 0.35, 0.05), p.white))
+        pieces.append((panel((x - 1.9, 7.6, -0.05), (3.8, 0, 0), (0, -1.0, 0)), p.shade))
+        pieces.append((parts.frame(1.8, 1.2, 0.08, 0.16).shift(x, 2.6, 0.05), p.white))
+        pieces.append((panel((x - 0.9, 3.8, 0.03), (1.8, 0, 0), (0, -1.2, 0)), p.shade))
+        pieces.append((parts.slats(1.8, 1.2, 0.048, 0.01, 0.04, 35).shift(x, 2.6, 0.07), p.dark))
     for x in (-4.5, -1.5, 1.5, 4.5):
         wires, bars = parts.framed_mesh(2.98, 2.0, 0.045)
-        put += [(wires.shift(x, 0, 2.2), p.dark), (bars.shift(x, 0, 2.2), p.dark)]
-    for shape, material in put:
+        pieces += [(wires.shift(x, 0, 2.2), p.dark), (bars.shift(x, 0, 2.2), p.dark)]
+    for shape, material in pieces:
         b.put(shape.turn_y(-90).shift(HALF_X + 1.0, 0, 0), material)
 
 
 def lattice(b: Builder, p: Palette) -> None:
-    """West end: a tower of level slats between two screens of crossing battens."""
-    put = [(parts.corrugated(16.0, 4.4, 0.08, 0.03).shift(0, 0, -1.2), p.rust)]
+    """Add the west end: a tower of level slats between two screens of crossing battens."""
+    pieces = [(parts.corrugated(16.0, 4.4, 0.08, 0.03).shift(0, 0, -1.2), p.rust)]
     for x in (-4.4, 4.4):
         # Trellis: two layers of slanting battens.
         for side in (-1, 1):
@@ -150,21 +150,21 @@ def lattice(b: Builder, p: Palette) -> None:
                 beam((u, 0.2, 0.03 * side), (u + side * 2.6, 2.8, 0.03 * side), 0.024, 0.012)
                 for u in np.arange(-1.9, 2.0, 0.08)
             ]
-            put += [(s.shift(x - side * 1.3, 0, 0), p.ash) for s in battens]
-        put += [(box((0.14, 3.0, 0.16), (x + s * 2.2 * 1.5, 1.5, 0)), p.white) for s in (-1, 1)]
-        put += [(box((6.7, 0.14, 0.2), (x, y, 0)), p.white) for y in (0.13, 2.87)]
+            pieces += [(s.shift(x - side * 1.3, 0, 0), p.ash) for s in battens]
+        pieces += [(box((0.14, 3.0, 0.16), (x + s * 2.2 * 1.5, 1.5, 0)), p.white) for s in (-1, 1)]
+        pieces += [(box((6.7, 0.14, 0.2), (x, y, 0)), p.white) for y in (0.13, 2.87)]
     for k in range(4):
         face = parts.slats(2.0, 8.0, 0.06, 0.016, 0.04, 20).shift(0, 0.2, 1.0)
-        put.append((face.turn_y(90 * k), p.cedar))
-        put.append((box((0.12, 8.4, 0.12), (1.0, 4.2, 1.0)).turn_y(90 * k), p.dark))
-    put += [(box((2.3, 0.12, 2.3), (0, y, 0)), p.white) for y in (0.14, 8.4)]
-    put.append((cylinder(0.55, 8.0, 16).shift(0, 4.2, 0), p.mustard))
-    for shape, material in put:
+        pieces.append((face.turn_y(90 * k), p.cedar))
+        pieces.append((box((0.12, 8.4, 0.12), (1.0, 4.2, 1.0)).turn_y(90 * k), p.dark))
+    pieces += [(box((2.3, 0.12, 2.3), (0, y, 0)), p.white) for y in (0.14, 8.4)]
+    pieces.append((cylinder(0.55, 8.0, 16).shift(0, 4.2, 0), p.mustard))
+    for shape, material in pieces:
         b.put(shape.turn_y(90).shift(-HALF_X + 0.6, 0, 0), material)
 
 
 def towers(b: Builder, p: Palette) -> None:
-    """Blocks of flats beyond both ends, banded by sun blades."""
+    """Add blocks of flats beyond both ends, banded by sun blades."""
     for k, (x, z, height) in enumerate(
         ((31.0, -7.0, 22.0), (34.0, 9.0, 17.0), (-30.0, 7.0, 24.0), (-33.0, -10.0, 18.0))
     ):

@@ -1,6 +1,7 @@
 """Materials of the louvred street; all are matt."""
 
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.textures import Maps
 from supersampling.scenes.louvres import textures as tex
 from supersampling.scenes.scene import Material, Texture
 
@@ -14,7 +15,7 @@ CREAM, NAVY, RED, OCHRE, GREEN = (
 
 
 class Palette:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the louvred street, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -59,7 +60,7 @@ class Palette:
             ("awning green", tex.stripes(512, 4, (GREEN, CREAM), 21), 0.26),
             ("awning navy", tex.stripes(512, 4, (NAVY, CREAM), 22), 0.24),
         )
-        self.awnings = tuple(self._cloth(*each) for each in cloths)
+        self.awnings = tuple(self._cloth(*cloth) for cloth in cloths)
         self.deck = (
             self._cloth("deck blue", tex.stripes(512, 6, (NAVY, CREAM), 23), 0.3),
             self._cloth("deck ochre", tex.stripes(512, 6, (OCHRE, CREAM), 24), 0.3),
@@ -69,7 +70,7 @@ class Palette:
         self.gingham = self._cloth("gingham red", tex.gingham(512, 8, (RED, CREAM), 27), 0.28)
         self.check = self._cloth("gingham blue", tex.gingham(512, 8, (NAVY, CREAM), 28), 0.28)
 
-    def _maps(self, name: str, maps: tex.Maps, tile: float) -> int:
+    def _maps(self, name: str, maps: Maps, tile: float) -> int:
         albedo, normal, surface = maps
         return self._builder.material(Material(name, albedo, normal, surface, roughness=1.0), tile)
 

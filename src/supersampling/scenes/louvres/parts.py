@@ -15,13 +15,13 @@ _LYING = ("front", "top", "bottom")
 
 
 def copies(shape: Shape, places: ArrayLike) -> Shape:
-    """``shape`` at each of ``places (N, 3)``, its texture shifted from one to the next."""
-    at = np.asarray(places, float)
-    count, size = len(at), len(shape.positions)
+    """Return ``shape`` at each of ``places (N, 3)``, its texture shifted from one to the next."""
+    points = np.asarray(places, float)
+    count, size = len(points), len(shape.positions)
     shift = 0.37 * np.arange(count)[:, None, None]
     triangles = shape.triangles[None] + size * np.arange(count)[:, None, None]
     return Shape(
-        (shape.positions[None] + at[:, None]).reshape(-1, 3),
+        (shape.positions[None] + points[:, None]).reshape(-1, 3),
         np.tile(shape.normals, (count, 1)),
         (shape.uv[None] + shift).reshape(-1, 2),
         triangles.reshape(-1, 3),
@@ -29,54 +29,54 @@ def copies(shape: Shape, places: ArrayLike) -> Shape:
 
 
 def _steps(length: float, pitch: float) -> np.ndarray:
-    """Middles of whole periods of about ``pitch`` that fill ``length`` about zero."""
+    """Return the middles of whole periods of about ``pitch`` that fill ``length`` about zero."""
     count = max(round(length / pitch), 1)
     return (np.arange(count) + 0.5) * length / count - length / 2
 
 
-def _placed(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> np.ndarray:
+def _places(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> np.ndarray:
     return np.stack(np.broadcast_arrays(*(np.asarray(v, float) for v in (x, y, z))), -1)
 
 
 def fins(width: float, height: float, pitch: float, thick: float, depth: float, turn: float = 0.0) -> Shape:
-    """Upright blades side by side before a wall, each turned by ``turn`` degrees about its axis."""
+    """Return upright blades side by side before a wall, each turned by ``turn`` degrees about its axis."""
     blade = box((thick, height, depth), (0, height / 2, 0), _UPRIGHT).turn_y(turn)
-    return copies(blade, _placed(_steps(width, pitch), 0, 0))
+    return copies(blade, _places(_steps(width, pitch), 0, 0))
 
 
 def slats(width: float, height: float, pitch: float, thick: float, depth: float, tilt: float = 0.0) -> Shape:
-    """Level blades one above the other before a wall, their front edges tilted down by ``tilt`` degrees."""
-    blade = box((width, thick, depth), (0, 0, 0), _LYING).at(rotation((1, 0, 0), np.radians(tilt)))
-    return copies(blade, _placed(0, _steps(height, pitch) + height / 2, 0))
+    """Return level blades one above another before a wall, their front edges tilted down by ``tilt`` degrees."""
+    blade = box((width, thick, depth), (0, 0, 0), _LYING).transform(rotation((1, 0, 0), np.radians(tilt)))
+    return copies(blade, _places(0, _steps(height, pitch) + height / 2, 0))
 
 
 def rods(width: float, height: float, pitch: float, radius: float) -> Shape:
-    """Thin upright bars side by side."""
-    return copies(tube([(0, 0, 0), (0, height, 0)], radius, 3), _placed(_steps(width, pitch), 0, 0))
+    """Return thin upright bars side by side."""
+    return copies(tube([(0, 0, 0), (0, height, 0)], radius, 3), _places(_steps(width, pitch), 0, 0))
 
 
 def mesh(width: float, height: float, pitch: float, radius: float) -> Shape:
-    """Welded wire mesh: upright and level wires."""
+    """Return a welded wire mesh: upright and level wires."""
     level = tube([(-width / 2, 0, radius), (width / 2, 0, radius)], radius, 3)
-    upright = copies(tube([(0, 0, 0), (0, height, 0)], radius, 3), _placed(_steps(width, pitch), 0, 0))
-    return join([upright, copies(level, _placed(0, _steps(height, pitch) + height / 2, 0))])
+    upright = copies(tube([(0, 0, 0), (0, height, 0)], radius, 3), _places(_steps(width, pitch), 0, 0))
+    return join([upright, copies(level, _places(0, _steps(height, pitch) + height / 2, 0))])
 
 
 def framed_mesh(width: float, height: float, pitch: float) -> tuple[Shape, Shape]:
-    """A panel of mesh and its posts and rails."""
+    """Return a panel of mesh, and its posts and rails."""
     bars = [box((0.05, height + 0.06, 0.05), (s * width / 2, height / 2, 0)) for s in (-1, 1)]
     bars += [box((width, 0.04, 0.04), (0, y, 0)) for y in (0.06, height)]
     return mesh(width - 0.05, height - 0.1, pitch, 0.0045).shift(0, 0.07, 0), join(bars)
 
 
 def roof_slats(length: float, depth: float, pitch: float) -> Shape:
-    """Battens on edge along z that lie on a pergola, side by side along x, from y = 0 up."""
+    """Return battens on edge along z that lie on a pergola, side by side along x, from y = 0 up."""
     batten = box((0.028, 0.09, depth), (0, 0.045, 0))
-    return copies(batten, _placed(_steps(length, pitch), 0, 0))
+    return copies(batten, _places(_steps(length, pitch), 0, 0))
 
 
 def corrugated(width: float, height: float, pitch: float, depth: float) -> Shape:
-    """Sheet of upright waves about z = 0."""
+    """Return a sheet of upright waves about z = 0."""
     waves = max(round(width / pitch), 1)
     x = np.linspace(-width / 2, width / 2, 6 * waves + 1)
     phase = 2 * np.pi * waves * (x / width + 0.5)
@@ -88,27 +88,27 @@ def corrugated(width: float, height: float, pitch: float, depth: float) -> Shape
 
 
 def shutter(width: float, height: float, pitch: float, depth: float = 0.02) -> Shape:
-    """Roller shutter: level waves."""
-    turned = corrugated(height, width, pitch, depth).at(rotation((0, 0, 1), np.pi / 2))
-    return turned.shift(width / 2, height / 2, 0)
+    """Return a roller shutter of level waves."""
+    sheet = corrugated(height, width, pitch, depth).transform(rotation((0, 0, 1), np.pi / 2))
+    return sheet.shift(width / 2, height / 2, 0)
 
 
 def railing(width: float, height: float, pitch: float, radius: float = 0.007) -> Shape:
-    """Balusters between two rails, and posts at the ends."""
+    """Return balusters between two rails, and posts at the ends."""
     rails = [beam((-width / 2, y, 0), (width / 2, y, 0), 0.035) for y in (0.09, height)]
     posts = [beam((s * width / 2, 0, 0), (s * width / 2, height, 0), 0.045) for s in (-1, 1)]
     return join([rods(width, height - 0.09, pitch, radius).shift(0, 0.09, 0), *rails, *posts])
 
 
 def frame(width: float, height: float, bar: float = 0.08, depth: float = 0.12) -> Shape:
-    """Window frame around an opening that stands on y = 0."""
+    """Return a window frame around an opening that stands on y = 0."""
     sides = [box((bar, height + 2 * bar, depth), (s * (width + bar) / 2, height / 2, 0)) for s in (-1, 1)]
     ends = [box((width, bar, depth), (0, y, 0)) for y in (-bar / 2, height + bar / 2)]
     return join([*sides, *ends, box((width + 4 * bar, 0.05, depth + 0.1), (0, -bar - 0.025, 0.04))])
 
 
 def awning(width: float, reach: float, drop: float) -> tuple[Shape, Shape]:
-    """Striped cloth that slopes out from the origin, with a valance; the arms that hold it."""
+    """Return striped cloth that slopes out from the origin, with a valance, and the arms that support it."""
     cloth = panel((-width / 2, 0, 0), (width, 0, 0), (0, -drop, reach))
     valance = panel((-width / 2, -drop, reach), (width, 0, 0), (0, -0.22, 0))
     arms = [
@@ -120,7 +120,7 @@ def awning(width: float, reach: float, drop: float) -> tuple[Shape, Shape]:
 
 
 def parasol(radius: float, height: float) -> tuple[Shape, Shape]:
-    """Cloth of eight panels with a valance, its stripes running from the top down; pole, ribs and foot."""
+    """Return cloth of eight panels with a valance, its stripes running from the top down, and pole, ribs and foot."""
     roof = lathe([(0.02, height), (radius, height - 0.42), (radius + 0.005, height - 0.6)], 8)
     pole = [
         cylinder(0.024, height, 8).shift(0, height / 2, 0),
@@ -133,7 +133,7 @@ def parasol(radius: float, height: float) -> tuple[Shape, Shape]:
 
 
 def deck_chair() -> tuple[Shape, Shape]:
-    """Cloth that sags between two bars; crossed wooden frames."""
+    """Return cloth that sags between two bars, and crossed wooden frames."""
     share = np.linspace(0, 1, 9)[:, None]
     back, seat, front = np.array([0, 0.98, -0.42]), np.array([0, 0.12, 0.02]), np.array([0, 0.42, 0.5])
     line = (1 - share) ** 2 * back + 2 * share * (1 - share) * seat + share**2 * front
@@ -154,16 +154,16 @@ def deck_chair() -> tuple[Shape, Shape]:
 
 
 def bench(width: float) -> tuple[Shape, Shape]:
-    """Slatted bench; feet."""
-    seat = copies(box((width, 0.025, 0.03)), _placed(0, 0.45, _steps(0.48, 0.048)))
-    back = copies(box((width, 0.03, 0.02)), _placed(0, 0.56 + _steps(0.36, 0.048) + 0.18, -0.26))
+    """Return the slats and the feet of a bench."""
+    seat = copies(box((width, 0.025, 0.03)), _places(0, 0.45, _steps(0.48, 0.048)))
+    back = copies(box((width, 0.03, 0.02)), _places(0, 0.56 + _steps(0.36, 0.048) + 0.18, -0.26))
     feet = [box((0.06, 0.44, 0.44), (x, 0.22, 0)) for x in (-width / 2 + 0.15, width / 2 - 0.15)]
     feet += [box((0.05, 0.6, 0.025), (x, 0.65, -0.283)) for x in (-width / 2 + 0.15, width / 2 - 0.15)]
     return join([seat, back]), join(feet)
 
 
 def planter(size: float) -> tuple[Shape, Shape]:
-    """Box of battens with a ball of box tree in it."""
+    """Return a box of battens, and the box tree in it, cut to a ball."""
     sides = join([fins(size, 0.55, 0.05, 0.035, 0.02).shift(0, 0.03, size / 2).turn_y(90 * k) for k in range(4)])
     core = box((size - 0.03, 0.5, size - 0.03), (0, 0.3, 0), ("front", "back", "left", "right", "top"))
     ball = sphere(size * 0.62, 18).shift(0, 0.55 + size * 0.5, 0)
@@ -171,7 +171,7 @@ def planter(size: float) -> tuple[Shape, Shape]:
 
 
 def cage(radius: float, height: float, count: int, rod: float) -> Shape:
-    """Upright rods around a circle, between two rings."""
+    """Return upright rods around a circle, between two rings."""
     angle = 2 * np.pi * np.arange(count) / count
     ring = np.stack([radius * np.cos(angle), 0 * angle, radius * np.sin(angle)], 1)
     bars = copies(tube([(0, 0, 0), (0, height, 0)], rod, 4), ring)
@@ -180,20 +180,22 @@ def cage(radius: float, height: float, count: int, rod: float) -> Shape:
 
 
 def grating(width: float, depth: float, pitch: float) -> Shape:
-    """Bars across a drain that lies in the ground, along x."""
+    """Return bars across a drain that lies in the ground, along x."""
     bar = box((0.008, 0.02, depth), (0, -0.01, 0), ("top",))
     return join(
         [
-            copies(bar, _placed(_steps(width, pitch), 0.012, 0)),
+            copies(bar, _places(_steps(width, pitch), 0.012, 0)),
             *(box((width, 0.02, 0.02), (0, 0.002, s * depth / 2), ("top", "front", "back")) for s in (-1, 1)),
         ]
     )
 
 
 def hanging_blind(width: float, height: float, pitch: float) -> tuple[Shape, Shape]:
-    """Blind of thin slats that hangs from the origin; its cords and top rail."""
+    """Return a blind of thin slats that hangs from the origin, and its cords and top rail."""
     cords = [beam((x, 0, 0), (x, -height, 0), 0.008) for x in (-width * 0.36, 0.0, width * 0.36)]
     rails = [box((width + 0.06, 0.05, 0.05), (0, -0.02, 0)), box((width, 0.03, 0.03), (0, -height, 0))]
-    blade = box((width, 0.006, 0.036), faces=("front", "back", "top", "bottom")).at(rotation((1, 0, 0), np.radians(28)))
-    blades = copies(blade, _placed(0, _steps(height - 0.1, pitch) - height / 2, 0))
+    blade = box((width, 0.006, 0.036), faces=("front", "back", "top", "bottom")).transform(
+        rotation((1, 0, 0), np.radians(28))
+    )
+    blades = copies(blade, _places(0, _steps(height - 0.1, pitch) - height / 2, 0))
     return blades, join([*cords, *rails])

@@ -1,4 +1,4 @@
-"""What stands in the louvred street: the pergola, tables, deck chairs, planters, screens, and what turns or sways."""
+"""Furniture of the louvred street: pergola, tables, deck chairs, planters, screens, and everything that moves."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ SCREENS = ((-9.2, -0.9), (-9.2, 0.9))
 
 
 def pergola(b: Builder, p: Palette) -> None:
-    """Roof of slats on posts, with seats beneath; the slats stripe the ground with shadow."""
+    """Add a roof of slats on posts, with seats beneath; the slats stripe the ground with shadow."""
     left, right, half = PERGOLA
     for x in (left, (left + right) / 2, right):
         for z in (-half, half):
@@ -42,7 +42,7 @@ def pergola(b: Builder, p: Palette) -> None:
 
 
 def furniture(b: Builder, p: Palette) -> None:
-    """Deck chairs, benches, planters, bicycle racks and tables with cloths along both sides."""
+    """Add deck chairs, benches, planters, bicycle racks and tables with cloths along both sides."""
     cloth, wood = parts.deck_chair()
     for k, (x, z) in enumerate(((-7.2, -1.0), (-7.0, 0.9), (-2.4, 1.3), (-2.2, -1.2), (1.9, 1.1), (2.0, -1.0))):
         turn = 90 + 17 * (k % 3) if x < -4 else -70 - 15 * (k % 3)
@@ -71,7 +71,7 @@ def furniture(b: Builder, p: Palette) -> None:
 
 
 def screens(b: Builder, p: Palette) -> None:
-    """Free-standing frames in which blinds hang."""
+    """Add free-standing frames in which blinds hang."""
     for x, z in SCREENS:
         for dz in (-0.75, 0.75):
             b.put(box((0.08, 2.5, 0.08), (x, 1.25, z + dz)), p.white)
@@ -79,7 +79,7 @@ def screens(b: Builder, p: Palette) -> None:
 
 
 def movers(b: Builder, p: Palette) -> None:
-    """Two cages of rods that turn against each other, blinds that sway in their frames, a weather wheel, a parasol."""
+    """Add two cages of rods that turn against each other, and blinds and a parasol that sway."""
     x, z = CAGE
     b.put(cylinder(1.35, 0.16, 36).shift(x, 0.08, z), p.pale)
     b.put(cylinder(0.03, 2.9, 10).shift(x, 1.55, z), p.dark)

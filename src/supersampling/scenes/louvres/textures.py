@@ -4,16 +4,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from supersampling.scenes.kit.textures import Field, fractal, masonry, normals, photo, picture, ramp, resized, surface
+from supersampling.scenes.kit.textures import (
+    Field,
+    Maps,
+    fractal,
+    masonry,
+    normals,
+    photo,
+    picture,
+    ramp,
+    resized,
+    surface,
+)
 from supersampling.scenes.scene import Texture
 
 Color = Sequence[float]
-Maps = tuple[Texture, Texture, Texture]
 LEAST_ROUGHNESS = 0.6
 
 
-def _woven(color: Field, seed: int) -> Texture:
-    """Multiplies the grain of threads and some fading into a cloth's colours."""
+def _weave(color: Field, seed: int) -> Texture:
+    """Multiply the grain of threads and some fading into the colours of a cloth."""
     size = len(color)
     y, x = np.mgrid[:size, :size]
     thread = 0.92 + 0.08 * ((x // 2 + y // 2) % 2)
@@ -21,21 +31,21 @@ def _woven(color: Field, seed: int) -> Texture:
 
 
 def stripes(size: int, count: int, colors: Sequence[Color], seed: int, share: float = 0.5) -> Texture:
-    """``count`` upright stripes of the first colour, each a ``share`` of its period, on the second; cloth."""
+    """Draw ``count`` upright stripes of the first colour, each a ``share`` of its period, on the second; cloth."""
     across = np.mgrid[:size, :size][1] / size * count % 1
     inked = np.clip((share / 2 - np.abs(across - 0.5)) * size / count + 0.5, 0, 1)[..., None]
-    return _woven(inked * np.array(colors[0]) + (1 - inked) * np.array(colors[1]), seed)
+    return _weave(inked * np.array(colors[0]) + (1 - inked) * np.array(colors[1]), seed)
 
 
 def gingham(size: int, count: int, colors: Sequence[Color], seed: int) -> Texture:
-    """Check of ``count`` periods a side: two crossing sets of stripes, their crossings full in colour."""
+    """Draw a check of ``count`` periods per side: two crossing sets of stripes, full in colour where they cross."""
     y, x = np.mgrid[:size, :size] / size * count
     amount = 0.5 * ((x % 1 < 0.5).astype(float) + (y % 1 < 0.5))
-    return _woven(amount[..., None] * np.array(colors[0]) + (1 - amount[..., None]) * np.array(colors[1]), seed)
+    return _weave(amount[..., None] * np.array(colors[0]) + (1 - amount[..., None]) * np.array(colors[1]), seed)
 
 
 def mosaic(size: int, cells: int, colors: Sequence[Color], seed: int) -> Maps:
-    """Small square tiles, chequered, each of its own shade."""
+    """Draw small square tiles, chequered, each of its own shade."""
     inside, value, height = masonry(size, cells, cells, 0.15 / cells, seed, 0.0)
     y, x = np.mgrid[:size, :size] / size * cells
     odd = (np.floor(x) + np.floor(y)) % 2 > 0.5
@@ -45,7 +55,7 @@ def mosaic(size: int, cells: int, colors: Sequence[Color], seed: int) -> Maps:
 
 
 def pavers(size: int, rows: int, columns: int, stops: Sequence[Color], seed: int) -> Maps:
-    """Concrete pavers in running bond."""
+    """Draw concrete pavers in running bond."""
     inside, value, height = masonry(size, rows, columns, 0.004, seed)
     grain, cloud = fractal(size, seed + 2, 0.3), fractal(size, seed + 3, 1.2)
     body = ramp(np.clip(0.5 * value + 0.3 * cloud + 0.2 * grain, 0, 1), stops) * (0.8 + 0.35 * grain[..., None])
@@ -54,7 +64,7 @@ def pavers(size: int, rows: int, columns: int, stops: Sequence[Color], seed: int
 
 
 def timber(size: int, seed: int, stops: Sequence[Color]) -> Maps:
-    """Oiled wood without joints, its grain along v, matt."""
+    """Draw oiled wood without joints, its grain along v, matt."""
     warp, fibre = fractal(size, seed, 1.5, (0.4, 2.0)), fractal(size, seed + 1, 0.5, (6.0, 1.0))
     cloud = fractal(size, seed + 2, 1.1)
     tone = 0.3 * (0.5 + 0.5 * np.sin(2 * np.pi * 6 * warp)) + 0.35 * fibre + 0.35 * cloud
@@ -66,7 +76,7 @@ def timber(size: int, seed: int, stops: Sequence[Color]) -> Maps:
 
 
 def plaster(size: int, seed: int, stops: Sequence[Color]) -> Maps:
-    """Scratched plaster with stains that run down."""
+    """Draw scratched plaster with stains that run down."""
     grain, cloud = fractal(size, seed, 0.3), fractal(size, seed + 1, 1.2)
     run = fractal(size, seed + 2, 0.9, (0.25, 3.0))
     color = ramp(np.clip(0.3 * grain + 0.4 * cloud + 0.3 * run, 0, 1), stops)
@@ -74,7 +84,7 @@ def plaster(size: int, seed: int, stops: Sequence[Color]) -> Maps:
 
 
 def paint(size: int, seed: int, color: Color) -> Maps:
-    """Powder coating: orange peel, chalky fading, dust in streaks."""
+    """Draw powder coating: orange peel, chalky fading, dust in streaks."""
     grain, cloud, run = (
         fractal(size, seed, 0.5),
         fractal(size, seed + 1, 1.1),
@@ -89,7 +99,7 @@ def paint(size: int, seed: int, color: Color) -> Maps:
 
 
 def hedge(size: int, seed: int) -> Maps:
-    """Clipped box hedge."""
+    """Draw a clipped box hedge."""
     field, cloud = resized(photo("grass"), size), fractal(size, seed, 1.0)
     tone = np.clip(0.8 * field + 0.4 * (cloud - 0.4), 0, 1)
     return (

@@ -9,10 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from supersampling.scenes.atrium.materials import cell
 from supersampling.scenes.kit.blocks import beam, box, panel, quad
 from supersampling.scenes.kit.builder import Color
-from supersampling.scenes.kit.shapes import Shape, cylinder, grid, join, tube
+from supersampling.scenes.kit.shapes import Shape, atlas_cell, cylinder, grid, join, tube
 from supersampling.scenes.kit.site import WHITE, Site
 from supersampling.scenes.market.materials import Palette
 
@@ -23,7 +22,7 @@ _TRIM: Color = (0.86, 0.83, 0.76)
 
 @dataclass(frozen=True)
 class House:
-    """Width, upper storeys, windows a storey, brick or plaster in a tint, the shutters' tint and the shop's number."""
+    """House of brick or plaster in a tint; ``columns`` are windows per storey, ``shop`` is the number of its shop."""
 
     width: float
     storeys: int
@@ -39,7 +38,7 @@ class House:
 
 
 def pierced(width: float, height: float, holes: list[tuple[float, float, float, float]]) -> Shape:
-    """Wall with rectangular holes ``(x0, x1, y0, y1)``; metric uv; no T-junctions."""
+    """Return a wall with rectangular holes ``(x0, x1, y0, y1)``; metric uv; no T-junctions."""
     xs = sorted({0.0, width, *(v for h in holes for v in h[:2])})
     ys = sorted({0.0, height, *(v for h in holes for v in h[2:])})
     cells = []
@@ -52,7 +51,7 @@ def pierced(width: float, height: float, holes: list[tuple[float, float, float, 
 
 
 def recess(width: float, height: float, depth: float) -> Shape:
-    """The four sides of a hole whose lower left corner is the origin."""
+    """Return the four sides of a hole whose lower left corner is the origin."""
     return join(
         [
             panel((0, 0, -depth), (width, 0, 0), (0, 0, depth)),
@@ -65,7 +64,10 @@ def recess(width: float, height: float, depth: float) -> Shape:
 
 @cache
 def _window() -> tuple[Shape, Shape, Shape, Shape, Shape]:
-    """Reveal, frame, panes, shutters and stone trim of a window; its middle is over the origin, its sill on it."""
+    """Return the reveal, frame, panes, shutters and stone trim of a window.
+
+    Its middle is over the origin, its sill on it.
+    """
     w, h = PANE
     bars = [box((0.06, h, 0.06), (x, h / 2, -0.14)) for x in (-w / 2 + 0.03, 0, w / 2 - 0.03)]
     bars += [box((w, 0.06, 0.06), (0, y, -0.14)) for y in (0.03, h * 0.68, h - 0.03)]
@@ -80,7 +82,10 @@ def _window() -> tuple[Shape, Shape, Shape, Shape, Shape]:
 
 
 def canopy(width: float, reach: float, drop: float) -> Shape:
-    """Awning from a wall at the origin's height out to ``reach``, with a scalloped valance; u across, v outwards."""
+    """Return an awning from a wall at the origin's height out to ``reach``, with a scalloped valance.
+
+    u runs across, v outwards.
+    """
     slope = quad((-width / 2, 0, 0), (width, 0, 0), (0, -drop, reach)).map_uv((width, reach))
     count = max(round(width / 0.25), 1)
     x = np.linspace(-width / 2, width / 2, 6 * count + 1)
@@ -91,7 +96,7 @@ def canopy(width: float, reach: float, drop: float) -> Shape:
 
 
 def _roof(site: Site, p: Palette, house: House) -> None:
-    """Gabled roof with its ridge along the street, gutters, chimney; side walls above lower neighbours."""
+    """Add a gabled roof with its ridge along the street, gutters, chimney; side walls above lower neighbours."""
     w, h = house.width, house.height
     wall = p.brick if house.brick else p.plaster
     rise, middle = 2.6, -DEPTH / 2
@@ -119,7 +124,7 @@ def _roof(site: Site, p: Palette, house: House) -> None:
 
 
 def _shop(site: Site, p: Palette, house: House) -> None:
-    """Shop front: door, stall riser, shelves of goods behind mullions, fascia, awning."""
+    """Add a shop front: door, stall riser, shelves of goods behind mullions, fascia, awning."""
     w, left, right = house.width, 0.55, house.width - 0.55
     k, glass = house.shop, right - left - 1.3
     site.put(recess(right - left, 2.9, 0.7).shift(left, 0, 0), p.paint, house.shutters)
@@ -165,7 +170,10 @@ def _shop(site: Site, p: Palette, house: House) -> None:
 
 
 def _goods(site: Site, p: Palette, shop: int, glass: tuple[float, float]) -> None:
-    """Three shelves behind a shop window of a given left edge and width: books, or labelled boxes and covers."""
+    """Add three shelves behind a shop window: books, or labelled boxes and covers.
+
+    ``glass`` is the left edge and the width of the window.
+    """
     left, width = glass
     rng = np.random.default_rng(70 + shop)
     unit = box((0.4, 0.34, 0.3), (0, 0.17, 0), ("front", "left", "right", "top"), True)
@@ -174,20 +182,20 @@ def _goods(site: Site, p: Palette, shop: int, glass: tuple[float, float]) -> Non
         site.put(box((width, 0.04, 0.4), (left + width / 2, y - 0.02, -0.45)), p.wood)
         x = left + 0.32
         while x < left + width - 0.25:
-            at = int(rng.integers(16))
+            cell = int(rng.integers(16))
             if (shop + row) % 3 == 0:
                 site.put(
-                    strip.map_uv((1, 1), (0, at % 4 / 4)).shift(min(x + 0.25, left + width - 0.5), y, -0.42),
+                    strip.map_uv((1, 1), (0, cell % 4 / 4)).shift(min(x + 0.25, left + width - 0.5), y, -0.42),
                     p.spines,
                 )
                 x += 0.98
                 continue
-            site.put(unit.map_uv(*cell(4, 4, at)).shift(x, y, -0.42), (p.crates, p.covers)[(shop + row) % 2])
+            site.put(unit.map_uv(*atlas_cell(4, 4, cell)).shift(x, y, -0.42), (p.crates, p.covers)[(shop + row) % 2])
             x += 0.46
 
 
 def build(site: Site, p: Palette, house: House) -> None:
-    """The whole house."""
+    """Add the whole house."""
     w, h = house.width, house.height
     wall = p.brick if house.brick else p.plaster
     pitch = w / house.columns
@@ -199,8 +207,11 @@ def build(site: Site, p: Palette, house: House) -> None:
     reveal, frame, pane, shutters, trim = _window()
     for k, (x, y) in enumerate(windows):
         for shape, material, color in (
-            (reveal, p.plaster, WHITE), (frame, p.paint, WHITE), (pane, p.window, WHITE), (trim, p.stone, _TRIM),
-        ):  # fmt: skip
+            (reveal, p.plaster, WHITE),
+            (frame, p.paint, WHITE),
+            (pane, p.window, WHITE),
+            (trim, p.stone, _TRIM),
+        ):
             site.put(shape.shift(x, y, 0), material, color)
         if pitch > 2.1:
             site.put(shutters.shift(x, y, 0), p.shutter, house.shutters)
@@ -224,12 +235,12 @@ def build(site: Site, p: Palette, house: House) -> None:
     _roof(site, p, house)
 
 
-def flower_box(site: Site, p: Palette, at: tuple[float, float], seed: int) -> None:
-    """Planter on a sill, with hanging geraniums."""
-    site.put(box((1.0, 0.18, 0.2), (at[0], at[1] + 0.02, 0.26)), p.wood)
+def flower_box(site: Site, p: Palette, place: tuple[float, float], seed: int) -> None:
+    """Add a planter on a sill, with hanging geraniums."""
+    site.put(box((1.0, 0.18, 0.2), (place[0], place[1] + 0.02, 0.26)), p.wood)
     rng = np.random.default_rng(seed)
     for k in range(9):
         size = rng.uniform(0.3, 0.42)
         card = quad((-size / 2, size, 0), (size, 0, 0), (0, -size, 0.12)).map_uv((0.6, 0.6), (k * 0.13, k * 0.21))
         card = card.turn_y(float(rng.uniform(-70, 70)))
-        site.put(card.shift(at[0] - 0.42 + 0.105 * k, at[1] - 0.12 + float(rng.uniform(0, 0.16)), 0.3), p.flowers)
+        site.put(card.shift(place[0] - 0.42 + 0.105 * k, place[1] - 0.12 + float(rng.uniform(0, 0.16)), 0.3), p.flowers)

@@ -1,4 +1,4 @@
-"""What is written on the market: shop signs, price tags, slates, book covers, fruit crates and flour sacks."""
+"""Lettering of the market: shop signs, price tags, slates, book covers, fruit crates and flour sacks."""
 
 from functools import cache
 
@@ -20,8 +20,8 @@ _TITLES = (
     "Market Days", "The Long Shadow",
 )  # fmt: skip
 _TALK = (
-    "fresh this morning from the valley farms and sold by weight until noon or while the baskets last please bring your "
-    "own bag and mind the step all prices in crowns and pence no credit before the harvest ask inside for orders "
+    "fresh this morning from the valley farms and sold by weight until noon or while the baskets last please bring "
+    "your own bag and mind the step all prices in crowns and pence no credit before the harvest ask inside for orders "
     "deliveries and repairs open every day but sunday and the feast of the bridge"
 )
 _SPEECH = _TALK.split()
@@ -29,12 +29,12 @@ _SPEECH = _TALK.split()
 
 @cache
 def _wear(side: int) -> tuple[Field, Field]:
-    """Grain and stains, shared by all drawings of a size."""
+    """Return grain and stains, shared by all drawings of a size."""
     return fractal(side, 100, 0.5), fractal(side, 101, 1.2)
 
 
 def aged(image: Image.Image, seed: int, amount: float = 0.25) -> Texture:
-    """A drawing with the grain of paint or paper and a few stains in it."""
+    """Add the grain of paint or paper and a few stains to a drawing."""
     grain, stain = (np.roll(field, (67 * seed, 41 * seed), (0, 1)) for field in _wear(max(image.size)))
     worn = 1 - amount + 1.2 * amount * grain - 0.5 * amount * np.clip((stain - 0.6) * 2.5, 0, 1)
     return picture(np.asarray(image, float) / 255 * worn[: image.size[1], : image.size[0], None])
@@ -46,15 +46,15 @@ def speech(rng: np.random.Generator, words: int) -> str:
 
 
 def fitted(
-    draw: ImageDraw.ImageDraw, at: tuple[float, float], text: str, ink: Rgb, box: tuple[float, int], face: str
+    draw: ImageDraw.ImageDraw, place: tuple[float, float], text: str, ink: Rgb, box: tuple[float, int], face: str
 ) -> None:
-    """Centred text of at most ``box`` (width, points)."""
+    """Draw centred text of at most ``box`` (width, points)."""
     points = min(box[1], int(box[1] * box[0] / font(box[1], face).getlength(text)))
-    draw.text(at, text, ink, font(max(points, 6), face), anchor="mm")
+    draw.text(place, text, ink, font(max(points, 6), face), anchor="mm")
 
 
 def fascia(seed: int, name: str, trade: str, back: Rgb, ink: Rgb, size: tuple[int, int] = (1024, 160)) -> Texture:
-    """The board above a shop: its name, its trade to both sides, a double rule."""
+    """Draw the board above a shop: its name, its trade to both sides, a double rule."""
     width, height = size
     image = Image.new("RGB", size, back)
     draw = ImageDraw.Draw(image)
@@ -84,7 +84,7 @@ def fascia(seed: int, name: str, trade: str, back: Rgb, ink: Rgb, size: tuple[in
 
 
 def hanging_sign(seed: int, name: str, back: Rgb, ink: Rgb, size: int = 256) -> Texture:
-    """Square sign that hangs out over the street: a ring of letters' worth of ornament, a word and a number."""
+    """Draw a square sign that hangs out over the street: a ring of rays, a word and a number."""
     image = Image.new("RGB", (size, size), back)
     draw = ImageDraw.Draw(image)
     draw.rectangle((6, 6, size - 7, size - 7), outline=ink, width=4)
@@ -100,7 +100,7 @@ def hanging_sign(seed: int, name: str, back: Rgb, ink: Rgb, size: int = 256) -> 
 
 
 def price_tags(seed: int, columns: int = 8, rows: int = 8, cell: tuple[int, int] = (128, 96)) -> Texture:
-    """Atlas of tags: goods, a price and a unit, on card or on slate."""
+    """Draw an atlas of tags: goods, a price and a unit, on card or on slate."""
     rng = np.random.default_rng(seed)
     image = Image.new("RGB", (columns * cell[0], rows * cell[1]))
     draw = ImageDraw.Draw(image)
@@ -123,7 +123,7 @@ def price_tags(seed: int, columns: int = 8, rows: int = 8, cell: tuple[int, int]
 
 
 def slate(seed: int, head: str, size: tuple[int, int] = (384, 576)) -> Texture:
-    """Chalk on slate: a heading, a list of goods and prices, small print."""
+    """Draw chalk on slate: a heading, a list of goods and prices, small print."""
     rng = np.random.default_rng(seed)
     width, height = size
     image = Image.new("RGB", size, (40, 44, 44))
@@ -145,7 +145,7 @@ def slate(seed: int, head: str, size: tuple[int, int] = (384, 576)) -> Texture:
 
 
 def bill(seed: int, title: str, back: Rgb, ink: Rgb, size: int = 512) -> Texture:
-    """Play bill: a title, a picture of fine lines (rays, rings, waves or dots), lines of ever smaller type."""
+    """Draw a play bill: a title, a picture of fine lines (rays, rings, waves or dots), lines of ever smaller type."""
     rng = np.random.default_rng(200 + seed)
     y, x = (np.mgrid[:size, :size] - np.array([[[size * 0.4]], [[size * 0.5]]])) / size
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
@@ -161,15 +161,15 @@ def bill(seed: int, title: str, back: Rgb, ink: Rgb, size: int = 512) -> Texture
     for inset, width in ((9, 4), (17, 1)):
         draw.rectangle((inset, inset, size - 1 - inset, size - 1 - inset), outline=ink, width=width)
     fitted(draw, (size / 2, size * 0.085), title, ink, (size - 60, 62), "DejaVuSerif-Bold")
-    at = size * 0.7
+    top = size * 0.7
     for points in (34, 25, 19, 15, 12, 10):
-        fitted(draw, (size / 2, at), speech(rng, 3 + 60 // points), ink, (size - 52, points), "DejaVuSans")
-        at += points * 1.35
+        fitted(draw, (size / 2, top), speech(rng, 3 + 60 // points), ink, (size - 52, points), "DejaVuSans")
+        top += points * 1.35
     return aged(image, seed, 0.25)
 
 
 def covers(seed: int, size: int = 1024, cells: int = 4) -> Texture:
-    """Atlas of book fronts: title, frame, ornament, a line of small type."""
+    """Draw an atlas of book fronts: title, frame, ornament, a line of small type."""
     rng = np.random.default_rng(seed)
     step = size // cells
     image = Image.new("RGB", (size, size))
@@ -195,7 +195,7 @@ def covers(seed: int, size: int = 1024, cells: int = 4) -> Texture:
 
 
 def sacking(seed: int, size: int = 512) -> tuple[Texture, Field]:
-    """Printed flour sack: coarse weave with a mill's stamp; albedo and the weave's height."""
+    """Return the albedo and the weave's height of a printed flour sack: coarse weave with a mill's stamp."""
     rng = np.random.default_rng(seed)
     image = Image.new("RGB", (size, size), (196, 172, 128))
     draw = ImageDraw.Draw(image)

@@ -5,7 +5,8 @@ import numpy as np
 from supersampling.scenes.kit.blocks import beam, box, panel, quad
 from supersampling.scenes.kit.builder import Builder
 from supersampling.scenes.kit.motion import rotation
-from supersampling.scenes.kit.shapes import Shape, join, lathe
+from supersampling.scenes.kit.routes import walk
+from supersampling.scenes.kit.shapes import Point, Shape, join, lathe
 from supersampling.scenes.kit.site import Site
 from supersampling.scenes.market import parts, stalls
 from supersampling.scenes.market.houses import House, build
@@ -14,7 +15,6 @@ from supersampling.scenes.market.motion import movers
 from supersampling.scenes.scene import Route, Scene, Sky, Sun
 
 X, Z = 15.0, 10.0  # half the square
-Point = tuple[float, float, float]
 _CREAM, _ROSE, _OCHRE, _GREY = (0.86, 0.78, 0.58), (0.8, 0.5, 0.38), (0.82, 0.6, 0.28), (0.7, 0.72, 0.68)
 _GREEN, _BLUE, _BROWN, _RED = (0.16, 0.32, 0.2), (0.2, 0.34, 0.46), (0.36, 0.22, 0.14), (0.5, 0.14, 0.1)
 NORTH = (
@@ -37,16 +37,16 @@ EAST = (
 
 
 def _row(b: Builder, p: Palette, houses: tuple[House, ...], turn: float, start: Point) -> None:
-    """Houses side by side from ``start`` along the local +x."""
+    """Add houses side by side from ``start`` along the local +x."""
     along = rotation((0, 1, 0), np.radians(turn))[:3, 0]
-    at = np.asarray(start)
+    corner = np.asarray(start)
     for house in houses:
-        build(Site(b, turn, float(at[0]), float(at[2])), p, house)
-        at = at + along * house.width
+        build(Site(b, turn, float(corner[0]), float(corner[2])), p, house)
+        corner = corner + along * house.width
 
 
 def _ground(b: Builder, p: Palette) -> None:
-    """Fan-laid cobbles in fields between bands of dressed stone; setts along the houses."""
+    """Add fan-laid cobbles in fields between bands of dressed stone; setts along the houses."""
     for x in np.arange(-X, X, 6.0):
         for k, z in enumerate((-6.4, -2.1, 2.2)):
             tint = 0.84 + 0.08 * ((int(x) + 2 * k) % 3)
@@ -66,7 +66,7 @@ def _ground(b: Builder, p: Palette) -> None:
 
 
 def _west(b: Builder, p: Palette) -> None:
-    """A low wall with a gate, over which the sun comes, and the town's roofs behind."""
+    """Add a low wall with a gate, over which the sun shines, and the town's roofs behind it."""
     for z0, z1 in ((-10.0, -2.6), (2.6, 10.0)):
         length, middle = z1 - z0, (z0 + z1) / 2
         b.put(box((0.4, 2.3, length), (-X - 0.2, 1.15, middle)), p.brick, (0.95, 0.9, 0.86))
@@ -75,7 +75,7 @@ def _west(b: Builder, p: Palette) -> None:
         wall = Site(b, 90, -X + 0.02, middle)
         for k in range(5):
             sheet = (p.bills[k], p.papers[k % 2], p.bills[(k + 2) % 5])[k % 3]
-            parts.hung(wall, p, sheet, (-2.8 + 1.4 * k, 1.35, 0.03), (1.0, 1.0))
+            parts.board(wall, p, sheet, (-2.8 + 1.4 * k, 1.35, 0.03), (1.0, 1.0))
     for z in (-2.4, 2.4):
         b.put(box((0.8, 3.2, 0.8), (-X - 0.2, 1.6, z)), p.stone)
         b.put(box((1.0, 0.2, 1.0), (-X - 0.2, 3.3, z)), p.stone)
@@ -91,7 +91,7 @@ def _west(b: Builder, p: Palette) -> None:
 
 
 def _town_hall(b: Builder, p: Palette) -> None:
-    """The inscribed band, the clock and the pediment on the middle house of the east side."""
+    """Add the inscribed band, the clock and the pediment on the middle house of the east side."""
     site = Site(b, -90, X, -4.0)
     band = quad((0.6, 7.05, 0.13), (6.8, 0, 0), (0, -0.52, 0))
     site.put(band, p.frieze)
@@ -111,7 +111,7 @@ def _town_hall(b: Builder, p: Palette) -> None:
 
 
 def _stalls(b: Builder, p: Palette) -> None:
-    """Two rows of stalls, with crates, slates, lamps and lindens between them."""
+    """Add two rows of stalls, with crates, slates, lamps and lindens between them."""
     stalls.fruit_stall(Site(b, 0, -8.6, -3.6), p, 0)
     stalls.book_stall(Site(b, 0, -3.8, -3.7), p, 1)
     stalls.press_stall(Site(b, 0, 4.6, -3.7), p, 2)
@@ -132,14 +132,15 @@ def _stalls(b: Builder, p: Palette) -> None:
         parts.easel(Site(b, turn, x, z), p, (p.slates[k % 3], p.bills[k % 5])[k % 2])
     piles = ((-12.4, -8.8, 3), (-8.2, -9.0, 2), (-2.0, -9.2, 3), (5.6, -9.1, 2), (12.9, -8.9, 3), (-12.6, 9.0, 2),
              (-4.4, 9.2, 3), (4.0, 9.1, 2), (12.6, 9.0, 3), (-6.4, -4.4, 2), (-6.0, -3.9, 1), (2.4, -4.3, 3),
-             (7.0, -4.2, 2), (-4.6, 4.3, 3), (7.4, 4.5, 2), (13.9, -6.8, 3), (13.9, 4.9, 2), (14.0, 7.0, 3))  # fmt: skip
+             (7.0, -4.2, 2), (-4.6, 4.3, 3), (7.4, 4.5, 2), (13.9, -6.8, 3), (13.9, 4.9, 2),
+             (14.0, 7.0, 3))  # fmt: skip
     for k, (x, z, high) in enumerate(piles):
         parts.crates(Site(b, 0, 0, 0), p, (x, z), k, high)
         parts.crates(Site(b, 0, 0, 0), p, (x + 0.5, z + 0.06 * (k % 3)), k + 7, max(high - 1, 1))
 
 
 def _ivy(b: Builder, p: Palette) -> None:
-    """Ivy over parts of the facades."""
+    """Add ivy over parts of the facades."""
     rng, cards = np.random.default_rng(33), []
     for k in range(110):
         x = -8.2 + rng.normal() * 0.55
@@ -153,31 +154,30 @@ def _ivy(b: Builder, p: Palette) -> None:
 
 
 def _routes() -> list[Route]:
-    lines: tuple[tuple[str, list[Point], list[Point]], ...] = (
-        (
+    return [
+        walk(
             "middle aisle eastwards",
             [(-9.6, 1.65, -0.2), (6.5, 1.65, 0.1)],
             [(-6.0, 1.7, -5.0), (13.5, 2.4, -3.2)],
         ),
-        ("north shops", [(-9.5, 1.6, -6.9), (9.0, 1.6, -7.0)], [(-5.5, 2.2, -10.0), (14.0, 2.4, -8.2)]),
-        ("books and papers", [(8.8, 1.6, 0.9), (-1.5, 1.6, 0.7)], [(4.8, 1.2, -4.5), (-5.5, 1.3, -4.5)]),
-        ("south stalls", [(-9.2, 1.6, 0.2), (4.5, 1.65, 0.5)], [(-5.0, 1.3, 4.2), (10.5, 1.4, 4.6)]),
-        ("to the column", [(11.0, 1.65, -6.9), (3.4, 1.6, -6.6)], [(4.0, 1.8, -3.2), (-3.5, 1.9, -4.2)]),
-        ("south shops", [(9.5, 1.6, 7.0), (-6.5, 1.6, 7.1)], [(5.0, 1.9, 10.0), (-11.5, 2.0, 9.4)]),
-        ("town hall", [(-4.2, 1.7, 0.4), (9.6, 1.7, -0.4)], [(12.0, 3.6, -2.0), (15.5, 3.8, -1.0)]),
-        ("monument", [(-2.6, 1.65, 1.0), (7.0, 1.6, 1.0)], [(1.0, 1.6, 4.2), (3.0, 1.7, 4.6)]),
-        ("gate side", [(-10.3, 1.65, -2.4), (-9.4, 1.7, 2.9)], [(-4.0, 2.0, -6.5), (-3.6, 2.2, -4.4)]),
-        (
+        walk("north shops", [(-9.5, 1.6, -6.9), (9.0, 1.6, -7.0)], [(-5.5, 2.2, -10.0), (14.0, 2.4, -8.2)]),
+        walk("books and papers", [(8.8, 1.6, 0.9), (-1.5, 1.6, 0.7)], [(4.8, 1.2, -4.5), (-5.5, 1.3, -4.5)]),
+        walk("south stalls", [(-9.2, 1.6, 0.2), (4.5, 1.65, 0.5)], [(-5.0, 1.3, 4.2), (10.5, 1.4, 4.6)]),
+        walk("to the column", [(11.0, 1.65, -6.9), (3.4, 1.6, -6.6)], [(4.0, 1.8, -3.2), (-3.5, 1.9, -4.2)]),
+        walk("south shops", [(9.5, 1.6, 7.0), (-6.5, 1.6, 7.1)], [(5.0, 1.9, 10.0), (-11.5, 2.0, 9.4)]),
+        walk("town hall", [(-4.2, 1.7, 0.4), (9.6, 1.7, -0.4)], [(12.0, 3.6, -2.0), (15.5, 3.8, -1.0)]),
+        walk("monument", [(-2.6, 1.65, 1.0), (7.0, 1.6, 1.0)], [(1.0, 1.6, 4.2), (3.0, 1.7, 4.6)]),
+        walk("gate side", [(-10.3, 1.65, -2.4), (-9.4, 1.7, 2.9)], [(-4.0, 2.0, -6.5), (-3.6, 2.2, -4.4)]),
+        walk(
             "east end",
             [(12.5, 1.65, 6.9), (12.4, 1.65, 3.4), (9.4, 1.6, -0.6)],
             [(9.0, 2.0, 2.0), (4.0, 2.2, -4.0), (2.0, 2.0, -4.6)],
         ),
-    )
-    return [Route(name, np.array(eyes, np.float32), np.array(focus, np.float32)) for name, eyes, focus in lines]
+    ]
 
 
 def market() -> Scene:
-    """A town square on a market day: cobbles, facades, print everywhere, leaves; a few things move, slowly."""
+    """Build a town square on a market day: cobbles, facades, print everywhere, leaves; a few things move, slowly."""
     b = Builder()
     p = Palette(b)
     _ground(b, p)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from supersampling.scenes.atrium.materials import clock_face
 from supersampling.scenes.kit import lettering, textures
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.metal import Maps, brushed
-from supersampling.scenes.kit.textures import picture, surface
+from supersampling.scenes.kit.dials import clock_face
+from supersampling.scenes.kit.metal import brushed
+from supersampling.scenes.kit.textures import Maps, picture, surface
 from supersampling.scenes.market import lettering as market_lettering
 from supersampling.scenes.market import textures as market_textures
 from supersampling.scenes.scene import Material, Texture
@@ -49,21 +49,21 @@ _PLUM = ((0.15, 0.1, 0.17), (0.3, 0.17, 0.25), (0.48, 0.36, 0.46))
 
 
 def _roman(text: str, seed: int) -> Maps:
-    """Stone band, eight times as wide as high, with its text cut in."""
+    """Draw a stone band, eight times as wide as high, with its text cut in."""
     albedo, height = lettering.inscription(text, 1024, 128, 44, seed)
     # Darker than new stone: letters have to be read in full sun.
     return picture((albedo / 255) ** 1.6), textures.normals(height, 5.0), surface(np.full((8, 8), 0.85))
 
 
 def _pennant_sheet(size: int = 128) -> Texture:
-    """Four colours of bunting side by side, woven."""
+    """Draw four colours of bunting side by side, woven."""
     y, x = np.mgrid[:size, : 4 * size]
     color = np.asarray(PENNANTS)[x // size]
     return picture(color * (0.8 + 0.2 * ((x // 2 + y // 2) % 2))[..., None])
 
 
 class Palette:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the market, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -73,7 +73,7 @@ class Palette:
         self._green()
 
     def _ground(self) -> None:
-        """Masonry, wood, iron."""
+        """Add masonry, wood, iron."""
         self.fans = self._maps("fan cobbles", market_textures.fan_cobbles(768, 1), 2.6)
         self.setts = self._maps("setts", textures.cobbles(512, 2), 1.5)
         self.brick = self._maps("brick", textures.bricks(512, 14, 5, _RED, 3), 1.2)
@@ -89,7 +89,7 @@ class Palette:
         self.window = self._flat("curtained panes", market_textures.panes(256, 14))
 
     def _print(self) -> None:
-        """Everything to be read."""
+        """Add everything that can be read."""
         self.papers = [self._flat(f"newspaper {k}", lettering.newspaper(k), 0.7) for k in (0, 2)]
         self.bills = [self._flat(f"bill {k}", market_lettering.bill(k, *bill), 0.8) for k, bill in enumerate(BILLS)]
         self.notice = self._flat("by-laws", lettering.notice(5, "MARKET RULES", (236, 230, 212), (30, 40, 70)), 0.75)
@@ -109,7 +109,7 @@ class Palette:
         self.clock = self._flat("clock", clock_face(512), 0.7)
 
     def _cloth(self) -> None:
-        """Canvas, sacking, banners and bunting, seen from both sides."""
+        """Add canvas, sacking, banners and bunting, seen from both sides."""
         self.awnings = [self._cut(f"canvas {k}", market_textures.awning(256, 40 + k, c)) for k, c in enumerate(CLOTHS)]
         sack, weave = market_lettering.sacking(45)
         self.sack = self._maps("sacking", (sack, textures.normals(weave, 1.5), surface(np.full((8, 8), 0.9))), 1.0)
@@ -120,7 +120,7 @@ class Palette:
         self.bunting = self._cut("bunting", _pennant_sheet())
 
     def _green(self) -> None:
-        """Leaves (alpha-tested) and fruit."""
+        """Add leaves (alpha-tested) and fruit."""
         self.leaves = self._cut("linden leaves", textures.foliage(512, 60, 64, _LEAF))
         self.ivy = self._cut("ivy", textures.foliage(512, 61, 80, _IVY))
         self.flowers = self._cut("geraniums", textures.foliage(256, 62, 60, _BLOOM))
@@ -130,7 +130,7 @@ class Palette:
         ]
 
     def _maps(self, name: str, maps: Maps, tile: float) -> int:
-        """Dielectric, with roughness raised: nothing on the market shines."""
+        """Add a dielectric material with its roughness raised: nothing on the market shines."""
         albedo, normal, rough = maps
         matte = np.maximum(rough[::2, ::2], np.array((160, 0, 255), np.uint8)) * np.array((1, 0, 1), np.uint8)
         return self._builder.material(Material(name, albedo, normal, matte, roughness=1.0, metallic=0.0), tile)
@@ -139,7 +139,7 @@ class Palette:
         return self._builder.material(Material(name, albedo, base_color=(bright, bright, bright), roughness=0.85))
 
     def _cut(self, name: str, albedo: Texture) -> int:
-        """Thin things: leaves with holes between them, and cloth."""
+        """Add a thin material: leaves with holes between them, or cloth."""
         tested = albedo.shape[2] == 4
         return self._builder.material(
             Material(name, albedo, roughness=0.9, alpha="test" if tested else "opaque", double_sided=True)

@@ -1,30 +1,34 @@
-"""What stands on the market: crates, an advertising column, lamp posts, lindens, a monument, slates."""
+"""Static parts of the market: crates, an advertising column, lamp posts, lindens, a monument, slates."""
 
 import numpy as np
 
-from supersampling.scenes.atrium.materials import cell
 from supersampling.scenes.kit.blocks import beam, box, quad
 from supersampling.scenes.kit.builder import Color
 from supersampling.scenes.kit.motion import rotation
-from supersampling.scenes.kit.shapes import Shape, cylinder, grid, join, lathe, sphere, tube
+from supersampling.scenes.kit.shapes import Shape, atlas_cell, cylinder, grid, join, lathe, sphere, tube
 from supersampling.scenes.kit.site import WHITE, Site
 from supersampling.scenes.market.materials import Palette
 
 
-def hung(
-    site: Site, p: Palette, material: int, at: tuple[float, float, float], size: tuple[float, float],
-    uv: tuple[tuple[float, float], tuple[float, float]] = ((1.0, 1.0), (0.0, 0.0)), flip: bool = False,
-) -> None:  # fmt: skip
-    """A board with a sheet on its face, its middle at ``at``; ``flip`` turns it to the stall's back."""
+def board(
+    site: Site,
+    p: Palette,
+    material: int,
+    place: tuple[float, float, float],
+    size: tuple[float, float],
+    uv: tuple[tuple[float, float], tuple[float, float]] = ((1.0, 1.0), (0.0, 0.0)),
+    flip: bool = False,
+) -> None:
+    """Add a board with a sheet on its face, its middle at ``place``; ``flip`` turns it to the back of the stall."""
     face = quad((-size[0] / 2, size[1] / 2, 0.013), (size[0], 0, 0), (0, -size[1], 0)).map_uv(*uv)
     back = box((size[0] + 0.03, size[1] + 0.03, 0.02))
     turn = 180 if flip else 0
-    site.put(face.turn_y(turn).shift(*at), material)
-    site.put(back.turn_y(turn).shift(*at), p.wood)
+    site.put(face.turn_y(turn).shift(*place), material)
+    site.put(back.turn_y(turn).shift(*place), p.wood)
 
 
 def frustum(bottom: float, top: float, low: float, high: float) -> Shape:
-    """Four sides of a square tapering block; half widths below and above."""
+    """Return the four sides of a square tapering block; half widths below and above."""
     side = []
     for turn in range(4):
         rows = np.array([[(-top, high, top), (top, high, top)], [(-bottom, low, bottom), (bottom, low, bottom)]])
@@ -33,18 +37,20 @@ def frustum(bottom: float, top: float, low: float, high: float) -> Shape:
     return join(side)
 
 
-def crates(site: Site, p: Palette, at: tuple[float, float], seed: int, high: int = 2) -> None:
-    """Pile of labelled crates; ``at`` is (x, z)."""
+def crates(site: Site, p: Palette, place: tuple[float, float], seed: int, high: int = 2) -> None:
+    """Add a pile of labelled crates at ``place`` (x, z)."""
     y = 0.0
     for k in range(high):
         size = (0.46, 0.4, 0.36)[(seed + k) % 3]
-        crate = box((size, size * 0.86, size), (0, size * 0.43, 0), fit=True).map_uv(*cell(4, 4, seed * 5 + 3 * k))
-        site.put(crate.turn_y(23 * (seed + k) % 31 - 15).shift(at[0], y, at[1]), p.crates)
+        crate = box((size, size * 0.86, size), (0, size * 0.43, 0), fit=True).map_uv(
+            *atlas_cell(4, 4, seed * 5 + 3 * k)
+        )
+        site.put(crate.turn_y(23 * (seed + k) % 31 - 15).shift(place[0], y, place[1]), p.crates)
         y += size * 0.86
 
 
 def column(site: Site, p: Palette) -> None:
-    """Advertising column: stone foot, three rows of bills and papers, a crown."""
+    """Add an advertising column: stone foot, three rows of bills and papers, a crown."""
     site.put(lathe([(0.62, 0.5), (0.72, 0.44), (0.72, 0.1), (0.8, 0.1), (0.8, 0.0)], 32), p.stone)
     site.put(cylinder(0.6, 2.5, 32, False).shift(0, 1.7, 0), p.plaster, (0.8, 0.76, 0.66))
     for row, (y, high) in enumerate(((0.56, 0.72), (1.32, 0.86), (2.22, 0.64))):
@@ -73,7 +79,7 @@ def column(site: Site, p: Palette) -> None:
 
 
 def lamp(site: Site, p: Palette) -> None:
-    """Street lamp, unlit by day, with a notice on its post."""
+    """Add a street lamp, unlit by day, with a notice on its post."""
     post = [
         (0.05, 3.1),
         (0.05, 2.4),
@@ -95,11 +101,11 @@ def lamp(site: Site, p: Palette) -> None:
     cage += [beam((-0.36, 2.72, 0), (0.36, 2.72, 0), 0.03)]
     site.put(join(cage), p.iron)
     site.put(frustum(0.075, 0.14, 3.13, 3.55), p.plaster, (0.75, 0.78, 0.72))
-    hung(site, p, p.bills[int(abs(site.x * 3)) % 5], (0, 1.75, 0.1), (0.42, 0.56))
+    board(site, p, p.bills[int(abs(site.x * 3)) % 5], (0, 1.75, 0.1), (0.42, 0.56))
 
 
 def linden(site: Site, p: Palette, seed: int, height: float = 5.4) -> None:
-    """Tree with a crown of leaf cards, and a ring of setts and an iron grid around its foot."""
+    """Add a tree with a crown of leaf cards, and a ring of setts and an iron grid around its foot."""
     rng = np.random.default_rng(seed)
     trunk = [(0, 0, 0), (0.05, 1.0, 0.03), (-0.02, 2.2, 0.05), (0.05, height - 1.4, 0)]
     site.put(lathe([(0.15, 1.1), (0.18, 0.4), (0.3, 0.0)], 12), p.bark)
@@ -119,7 +125,7 @@ def linden(site: Site, p: Palette, seed: int, height: float = 5.4) -> None:
         card = quad((-size / 2, size / 2, 0), (size, 0, 0), (0, -size, 0)).map_uv(
             (1.1, 1.1), (k * 0.37 % 1, k * 0.61 % 1)
         )
-        card = card.at(
+        card = card.transform(
             rotation((0, 1, 0), np.arctan2(out[0], out[2]) + rng.uniform(-0.7, 0.7))
             @ rotation((1, 0, 0), rng.uniform(-1.2, 0.5))
         )
@@ -131,7 +137,7 @@ def linden(site: Site, p: Palette, seed: int, height: float = 5.4) -> None:
 
 
 def monument(site: Site, p: Palette) -> None:
-    """Steps, an inscribed plinth and an obelisk with a ball."""
+    """Add steps, an inscribed plinth and an obelisk with a ball."""
     for wide, y in ((3.0, 0.09), (2.4, 0.27), (1.8, 0.45)):
         site.put(box((wide, 0.18, wide), (0, y, 0)), p.stone)
     site.put(box((1.1, 1.0, 1.1), (0, 1.04, 0)), p.stone, (0.9, 0.86, 0.8))
@@ -154,9 +160,9 @@ def monument(site: Site, p: Palette) -> None:
 
 
 def easel(site: Site, p: Palette, material: int, color: Color = WHITE) -> None:
-    """A-board on the pavement."""
+    """Add an A-board on the pavement."""
     face = quad((-0.32, 1.02, 0.0), (0.64, 0, 0), (0, -0.92, 0.0))
     for turn in (0, 180):
         lean = rotation((1, 0, 0), -0.22)
-        site.put(face.shift(0, 0, 0.016).at(lean).shift(0, 0, 0.24).turn_y(turn), material, color)
-        site.put(box((0.7, 1.06, 0.03), (0, 0.53, 0)).at(lean).shift(0, 0, 0.24).turn_y(turn), p.wood)
+        site.put(face.shift(0, 0, 0.016).transform(lean).shift(0, 0, 0.24).turn_y(turn), material, color)
+        site.put(box((0.7, 1.06, 0.03), (0, 0.53, 0)).transform(lean).shift(0, 0, 0.24).turn_y(turn), p.wood)

@@ -4,13 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.scenes.kit import textures
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import Field, fractal, normals, picture, ramp, surface
+from supersampling.scenes.kit.textures import Field, Maps, fractal, normals, picture, ramp, surface
 from supersampling.scenes.scene import Texture
 
 
 def _arcs(size: int, repeats: int, rings: int) -> tuple[NDArray[np.int64], Field]:
-    """Fish-scale paving: a number for each stone, and the distance to its joint in shares of a stone."""
+    """Return fish-scale paving: a number per stone, and the distance to its joint in shares of a stone."""
     middle, radius = (np.arange(size) + 0.5) / size * repeats, 1 / np.sqrt(2)
     label, joint = np.zeros((size, size), np.int64), np.zeros((size, size))
     # Each row of scales covers the lower part of the one before.
@@ -22,19 +21,19 @@ def _arcs(size: int, repeats: int, rings: int) -> tuple[NDArray[np.int64], Field
                 continue
             window = (slice(v[0], v[-1] + 1), slice(u[0], u[-1] + 1))
             x, y = middle[u][None] - cx, middle[v][:, None] - cy
-            at = np.hypot(x, y) / radius * rings
-            ring = np.floor(at)
+            distance = np.hypot(x, y) / radius * rings
+            ring = np.floor(distance)
             turn = np.arctan2(y, x) / np.pi * np.maximum(np.round(np.pi * (ring + 0.5) * 0.95), 2) + 0.5 * (ring % 2)
-            edge = np.minimum(np.minimum(at % 1, 1 - at % 1), np.minimum(turn % 1, 1 - turn % 1))
+            edge = np.minimum(np.minimum(distance % 1, 1 - distance % 1), np.minimum(turn % 1, 1 - turn % 1))
             number = (row % (2 * repeats) * repeats + column % repeats) * 331 + ring * 47 + np.floor(turn) % 47
-            inside = at < rings
+            inside = distance < rings
             joint[window] = np.where(inside, edge, joint[window])
             label[window] = np.where(inside, number, label[window])
     return label, joint
 
 
 def fan_cobbles(size: int, seed: int, repeats: int = 2) -> Maps:
-    """Small setts laid in fans, with sand between them."""
+    """Draw small setts laid in fans, with sand between them."""
     label, joint = _arcs(size, repeats, 7)
     value = np.random.default_rng(seed).random(4096)[label % 4096]
     grit, cloud = textures.resized(textures.photo("gravel"), size), fractal(size, seed, 1.2)
@@ -51,7 +50,7 @@ def fan_cobbles(size: int, seed: int, repeats: int = 2) -> Maps:
 
 
 def plaster(size: int, seed: int) -> Maps:
-    """Lime wash, trowelled, with stains and hairline cracks; pale, to be tinted."""
+    """Draw lime wash, trowelled, with stains and hairline cracks; pale, to be tinted."""
     grain, cloud, stroke = (
         fractal(size, seed, 0.35),
         fractal(size, seed + 1, 1.3),
@@ -71,7 +70,7 @@ def plaster(size: int, seed: int) -> Maps:
 
 
 def louvres(size: int, seed: int, slats: int = 16) -> Maps:
-    """Shutter: slats in a frame, one picture a shutter; painted pale, to be tinted."""
+    """Draw a shutter: slats in a frame, one picture per shutter; painted pale, to be tinted."""
     y, x = np.mgrid[:size, :size] / size
     frame = (np.minimum(x, 1 - x) < 0.1) | (np.minimum(y, 1 - y) < 0.05) | (np.abs(y - 0.5) < 0.025)
     slope = (y * slats) % 1
@@ -87,7 +86,7 @@ def awning(
     cloth: tuple[tuple[float, float, float], tuple[float, float, float]],
     stripes: int = 4,
 ) -> Texture:
-    """Striped canvas with weave and sun-bleached folds, RGB; stripes run along v."""
+    """Draw striped canvas with weave and sun-bleached folds, RGB; stripes run along v."""
     y, x = np.mgrid[:size, :size]
     weave = 0.9 + 0.1 * ((x + y) % 2)
     dark = ((x / size * stripes) % 1 < 0.5)[..., None]
@@ -96,7 +95,7 @@ def awning(
 
 
 def fruit(size: int, seed: int, count: int, stops: tuple[tuple[float, ...], ...]) -> Maps:
-    """Heap of round fruit seen from above: spheres of several sizes, each with its own blush."""
+    """Draw a heap of round fruit seen from above: spheres of several sizes, each with its own blush."""
     rng = np.random.default_rng(seed)
     height, tone = np.zeros((size, size)), np.zeros((size, size))
     for _ in range(count):
@@ -125,7 +124,7 @@ def fruit(size: int, seed: int, count: int, stops: tuple[tuple[float, ...], ...]
 
 
 def panes(size: int, seed: int) -> Texture:
-    """What a window shows by day: a dim room, a drawn curtain with folds, lace below."""
+    """Draw a window as seen by day: a dim room, a drawn curtain with folds, lace below."""
     y, x = np.mgrid[:size, :size] / size
     fold = 0.5 + 0.5 * np.sin(2 * np.pi * (11 * x + 0.4 * fractal(size, seed, 1.4, (0.3, 2.0))))
     drawn = np.abs(x - 0.5) > 0.2 + 0.12 * y

@@ -1,16 +1,15 @@
-"""Materials of the sundial: all of them dull, none cut out, none that glows."""
+"""Materials of the sundial: all are dull, none is cut out or glows."""
 
 import numpy as np
 
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import wood
+from supersampling.scenes.kit.textures import Maps, wood
 from supersampling.scenes.scene import Material
 from supersampling.scenes.sundial import textures as paint
 
 
 class Palette:
-    """The materials; one index a name."""
+    """Materials of the sundial, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -26,6 +25,6 @@ class Palette:
     def _add(self, name: str, maps: Maps, tile: float) -> int:
         albedo, normal, rough = maps
         matte = np.maximum(rough, np.array((150, 0, 255), np.uint8))
-        both = name == "lime wash"  # the cloths and the lamp's shade, which are single sheets
-        material = Material(name, albedo, normal, matte, roughness=1.0, metallic=0.0, double_sided=both)
+        double_sided = name == "lime wash"  # the cloths and the lamp's shade, which are single sheets
+        material = Material(name, albedo, normal, matte, roughness=1.0, metallic=0.0, double_sided=double_sided)
         return self._builder.material(material, tile)

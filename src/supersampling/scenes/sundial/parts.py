@@ -1,4 +1,4 @@
-"""What turns and swings above the court, each part about its own origin: only shadows of it are seen."""
+"""Parts that turn and swing above the court, each about its own origin: only their shadows are visible."""
 
 import numpy as np
 
@@ -8,22 +8,22 @@ from supersampling.scenes.kit.shapes import Floats, Shape, cylinder, grid, join,
 
 
 def slatted_wheel(radius: float, slats: int = 18) -> Shape:
-    """Wheel about y: a rim, a hub, and flat slats that leave half of the light through."""
+    """Return a wheel about y: a rim, a hub, and flat slats that leave half of the light through."""
     circle = np.linspace(0, 2 * np.pi, 49)[:-1]
     rim = np.stack([np.cos(circle), np.sin(circle)], 1)
     flat = rotation((1, 0, 0), np.pi / 2)
-    rings = [plate(rim * r, rim * (r - 0.16), 0.12, True).at(flat) for r in (radius, radius * 0.58)]
+    rings = [plate(rim * r, rim * (r - 0.16), 0.12, True).transform(flat) for r in (radius, radius * 0.58)]
     angles = np.arange(slats) * 2 * np.pi / slats
     blades = []
     for k, a in enumerate(angles):
         inner, outer = (0.3, radius - 0.1) if k % 3 == 0 else (radius * 0.55, radius - 0.1)
         blade = box((outer - inner, 0.06, 0.16 if k % 3 == 0 else 0.42), ((outer + inner) / 2, 0, 0))
-        blades.append(blade.at(rotation((0, 1, 0), a)))
+        blades.append(blade.transform(rotation((0, 1, 0), a)))
     return join([*rings, *blades, cylinder(0.4, 0.3, 20)])
 
 
 def lattice_drum(radius: float, length: float, strands: int = 12) -> Shape:
-    """Drum about x: hoops, and strands that wind round it in both directions."""
+    """Return a drum about x: hoops, and strands that wind round it in both directions."""
     t = np.linspace(0, 1, 13)
     parts = []
     for sense in (-1, 1):
@@ -39,20 +39,20 @@ def lattice_drum(radius: float, length: float, strands: int = 12) -> Shape:
 
 
 def sails(radius: float) -> tuple[Shape, Shape]:
-    """Four windmill sails about z: the laths and half-set canvas (both as closed boxes)."""
-    wood, cloth = [cylinder(0.35, 0.7, 16).at(rotation((1, 0, 0), np.pi / 2))], []
+    """Return four windmill sails about z: the laths and half-set canvas (both as closed boxes)."""
+    wood, cloth = [cylinder(0.35, 0.7, 16).transform(rotation((1, 0, 0), np.pi / 2))], []
     for k in range(4):
         turn = rotation((0, 0, 1), k * np.pi / 2)
         laths = [box((0.2, radius, 0.2), (0, radius / 2, 0))]
         laths += [box((1.5, 0.07, 0.07), (0.55, y, 0.02)) for y in np.arange(1.3, radius, 0.42)]
         laths += [box((0.07, radius - 1.2, 0.07), (x, radius / 2 + 0.6, 0.02)) for x in (-0.2, 0.55, 1.3)]
-        wood += [lath.at(turn) for lath in laths]
-        cloth.append(box((0.72, radius * 0.5, 0.02), (0.92, radius * 0.7, 0.08)).at(turn))
+        wood += [lath.transform(turn) for lath in laths]
+        cloth.append(box((0.72, radius * 0.5, 0.02), (0.92, radius * 0.7, 0.08)).transform(turn))
     return join(wood), join(cloth)
 
 
 def banner(width: float, height: float) -> Shape:
-    """Cloth that hangs from the origin on a bar along x, bellied a little, with a swallow tail; both sides."""
+    """Return cloth that hangs from a bar along x at the origin, slightly bellied, with a swallow tail; both sides."""
     v, u = np.meshgrid(np.linspace(0, 1, 7), np.linspace(-1, 1, 9), indexing="ij")
     long = height * (1 - 0.22 * (1 - np.abs(u)) * v)
     points = np.stack([u * width / 2, -v * long, 0.14 * np.sin(np.pi * v) * (1 - u**2)], -1)
@@ -62,7 +62,7 @@ def banner(width: float, height: float) -> Shape:
 
 
 def pierced_shade(radius: float, height: float, columns: int = 24, rows: int = 6) -> Shape:
-    """Drum about y with a closed lid; every cell of its sheet has a hole, a star or a rosette in turn."""
+    """Return a drum about y with a closed lid; the cells of its sheet have holes, stars and rosettes in turn."""
     turn = np.linspace(0, 2 * np.pi, 33)
     square = np.stack([np.cos(turn), np.sin(turn)], 1)
     square /= 2 * np.abs(square).max(axis=1, keepdims=True)
@@ -90,7 +90,7 @@ def _disc(radius: float, y: float) -> Shape:
 
 
 def star_plate(radius: float, points: int = 8) -> Shape:
-    """Flat spokes about y that turn under a light."""
+    """Return flat spokes about y that turn under a light."""
     blades: list[Shape] = []
     for k in range(points):
         a = 2 * np.pi * k / points
@@ -103,5 +103,5 @@ def star_plate(radius: float, points: int = 8) -> Shape:
             ]
         )
         flat = Shape(corners, np.tile([0.0, 1.0, 0.0], (4, 1)), corners[:, [0, 2]], np.array([[0, 1, 2], [0, 2, 3]]))
-        blades.append(flat.at(rotation((0, 1, 0), a)))
+        blades.append(flat.transform(rotation((0, 1, 0), a)))
     return join(blades)

@@ -1,17 +1,18 @@
 """The built-in scene ``sundial``: a painted court and a lamp chamber that stand still, while shadows turn over them.
 
-Both rooms are convex but for mouldings of a few centimetres, so that a camera in them uncovers next to nothing. What throws
-the shadows hangs above the view: motion vectors are those of the walls, and the picture changes all the same.
+Both rooms are convex except for mouldings of a few centimetres, so that a camera in them uncovers next to nothing. The
+objects that cast the shadows hang above the view: the motion vectors are those of the walls, yet the picture changes.
 """
 
 import numpy as np
 
 from supersampling.scenes.kit.blocks import beam, box, panel, quad
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.motion import chain, rotation, spin, sway, translation
-from supersampling.scenes.kit.shapes import cylinder, grid, join
-from supersampling.scenes.kit.site import Site, held
-from supersampling.scenes.scene import Array, PointLight, Route, Scene, Sky, Sun
+from supersampling.scenes.kit.motion import chain, fixed, rotation, spin, sway, translation
+from supersampling.scenes.kit.routes import tripod, walk
+from supersampling.scenes.kit.shapes import Point, cylinder, grid, join
+from supersampling.scenes.kit.site import Site
+from supersampling.scenes.scene import PointLight, Route, Scene, Sky, Sun
 from supersampling.scenes.sundial import parts
 from supersampling.scenes.sundial.materials import Palette
 
@@ -21,11 +22,13 @@ CHAMBER, APOTHEM, CEILING = (-22.0, 0.0), 4.8, 6.6
 LAMP = (CHAMBER[0], 5.0, CHAMBER[1])
 RELIEF = 0.05  # what a moulding may stand out from its wall, metres
 SUN = (0.42, 0.76, 0.5)
-Point = tuple[float, float, float]
 
 
 def _wall(site: Site, p: Palette, width: float, bays: int, door: int) -> None:
-    """A wall of the court along the local x from 0, facing +z: dado, painted arcade, frieze, coping; a door in one bay."""
+    """Add a wall of the court along the local x from 0, facing +z.
+
+    It has a dado, a painted arcade, a frieze, a coping, and a door in one bay.
+    """
     site.put(panel((0, DADO, 0), (width, 0, 0), (0, -DADO, 0)), p.dado)
     site.put(
         box((width, 0.09, 0.04), (width / 2, DADO, 0.02), ("front", "top", "bottom")),
@@ -49,11 +52,14 @@ def _wall(site: Site, p: Palette, width: float, bays: int, door: int) -> None:
 
 
 def _court(b: Builder, p: Palette) -> None:
-    """Four walls and the floor with the dial's hour lines and two arcs let into it."""
+    """Add four walls and the floor with the dial's hour lines and two arcs let into it."""
     x, z = HALF
     for turn, at, width, bays, door in (
-        (0, (-x, -z), 2 * x, 6, 3), (-90, (x, -z), 2 * z, 5, 1), (180, (x, z), 2 * x, 6, 1), (90, (-x, z), 2 * z, 5, 4),
-    ):  # fmt: skip
+        (0, (-x, -z), 2 * x, 6, 3),
+        (-90, (x, -z), 2 * z, 5, 1),
+        (180, (x, z), 2 * x, 6, 1),
+        (90, (-x, z), 2 * z, 5, 4),
+    ):
         _wall(Site(b, turn, *at), p, width, bays, door)
     b.put(panel((-x, 0, -z), (2 * x, 0, 0), (0, 0, 2 * z)), p.paving)
     dark = (0.2, 0.13, 0.11)
@@ -73,7 +79,7 @@ def _court(b: Builder, p: Palette) -> None:
 
 
 def _chamber(b: Builder, p: Palette) -> None:
-    """Eight walls, a floor, a slab for a ceiling: dim, with the lamp high up in the middle."""
+    """Add eight walls, a floor, a slab for a ceiling: dim, with the lamp high up in the middle."""
     side = 2 * APOTHEM * np.tan(np.pi / 8)
     for k in range(8):
         angle = k * 45.0
@@ -92,7 +98,7 @@ def _chamber(b: Builder, p: Palette) -> None:
 
 
 def _frames(b: Builder, p: Palette) -> None:
-    """Masts, beams and trestles that carry what moves; none of them is in view."""
+    """Add masts, beams and trestles that carry what moves; none of them is in view."""
     for x in (1.2, 9.6):
         b.put(beam((x, 0, 8.4), (x, 12.6, 8.4), 0.3), p.wood)
     timber = [beam((-1.6, y, 8.4), (9.8, y, 8.4), 0.22) for y in (12.3, 11.6)]
@@ -114,7 +120,7 @@ def _frames(b: Builder, p: Palette) -> None:
 
 
 def _movers(b: Builder, p: Palette) -> None:
-    """Two mills, a slatted wheel, a lattice drum and banners over the court; the lamp's shade and star in the chamber."""
+    """Add two mills, a slatted wheel, a lattice drum and banners over the court; lampshade and star in the chamber."""
     facing = float(np.degrees(np.arctan2(SUN[0], SUN[2])))
     laths, canvas = parts.sails(5.2)
     for k, (at, hertz) in enumerate((((8.6, 16.0, 2.1), 0.034), ((-1.0, 15.0, 6.8), -0.027))):
@@ -122,11 +128,11 @@ def _movers(b: Builder, p: Palette) -> None:
         place = translation(at) @ turn
         b.move(
             [(laths, p.wood), (canvas, p.lime)],
-            chain(held(place), spin((0, 0, 0), (0, 0, 1), hertz, 0.6 * k)),
+            chain(fixed(place), spin((0, 0, 0), (0, 0, 1), hertz, 0.6 * k)),
         )
     b.move([(parts.slatted_wheel(3.1), p.wood)], spin((6.6, 11.0, 6.7), (0, 1, 0), 0.045))
     level = translation((1.6, 11.0, 5.7)) @ rotation((0, 1, 0), np.radians(34))
-    b.move([(parts.lattice_drum(1.7, 6.2), p.wood)], chain(held(level), spin((0, 0, 0), (1, 0, 0), 0.05)))
+    b.move([(parts.lattice_drum(1.7, 6.2), p.wood)], chain(fixed(level), spin((0, 0, 0), (1, 0, 0), 0.05)))
     cloth = parts.banner(1.5, 2.3)
     for k in range(5):
         b.move(
@@ -137,59 +143,43 @@ def _movers(b: Builder, p: Palette) -> None:
     b.move([(parts.star_plate(0.42), p.lime)], spin((LAMP[0], LAMP[1] - 0.38, LAMP[2]), (0, 1, 0), -0.05))
 
 
-def _standing(name: str, eye: Point, focus: Point) -> Route:
-    """A camera on a tripod."""
-    forward = np.subtract(focus, eye)
-    back = -forward / np.linalg.norm(forward)
-    right = np.cross((0.0, 1.0, 0.0), back)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4, dtype=np.float32)
-    pose[:3, :] = np.stack([right, np.cross(back, right), back, eye], 1)
-
-    def recorded(_: float) -> Array:
-        return pose
-
-    return Route(name, np.array([eye, eye], np.float32), None, recorded)
-
-
-def _walking(name: str, eyes: list[Point], focus: list[Point]) -> Route:
-    return Route(name, np.array(eyes, np.float32), np.array(focus, np.float32))
-
-
 def _in_chamber(degrees: float, radius: float, y: float) -> Point:
-    """A point of the chamber by its bearing from the lamp."""
+    """Return a point of the chamber by its bearing from the lamp."""
     a = np.radians(degrees)
     return (CHAMBER[0] + radius * float(np.sin(a)), y, CHAMBER[1] + radius * float(np.cos(a)))
 
 
 def _routes() -> list[Route]:
-    """Walks and tripods in both rooms, all looking at walls and floor; each split has both rooms and a standing camera."""
+    """Return walks and tripods in both rooms, all looking at walls and floor.
+
+    Each split has both rooms and a standing camera.
+    """
 
     def chamber_walk(name: str, start: float) -> Route:
         eyes = [_in_chamber(start + a, 3.5, 1.65) for a in (0, 30, 60, 90)]
-        return _walking(name, eyes, [_in_chamber(start + 180 + a, 4.5, 0.9) for a in (-10, 30, 70, 110)])
+        return walk(name, eyes, [_in_chamber(start + 180 + a, 4.5, 0.9) for a in (-10, 30, 70, 110)])
 
     return [
-        _walking("north wall", [(-5.5, 1.65, 4.4), (2.6, 1.6, 4.6)], [(-3.0, 1.2, -7.0), (2.6, 1.2, -7.0)]),
-        _walking(
+        walk("north wall", [(-5.5, 1.65, 4.4), (2.6, 1.6, 4.6)], [(-3.0, 1.2, -7.0), (2.6, 1.2, -7.0)]),
+        walk(
             "towards the north-west",
             [(5.6, 1.65, 3.4), (0.4, 1.65, 2.6)],
             [(-4.0, 0.9, -6.0), (-8.0, 0.9, -5.0)],
         ),
-        _standing("tripod before the dial", (0.6, 1.6, 5.6), (-1.2, 0.8, -5.0)),
-        _walking("west wall", [(4.6, 1.65, -4.4), (4.2, 1.6, 2.4)], [(-8.0, 1.0, -2.4), (-8.0, 1.0, 0.6)]),
+        tripod("tripod before the dial", (0.6, 1.6, 5.6), (-1.2, 0.8, -5.0)),
+        walk("west wall", [(4.6, 1.65, -4.4), (4.2, 1.6, 2.4)], [(-8.0, 1.0, -2.4), (-8.0, 1.0, 0.6)]),
         chamber_walk("round the lamp", 20.0),
-        _standing("tripod in the chamber", _in_chamber(-30, 4.1, 1.5), _in_chamber(160, 4.8, 1.1)),
-        _walking(
+        tripod("tripod in the chamber", _in_chamber(-30, 4.1, 1.5), _in_chamber(160, 4.8, 1.1)),
+        walk(
             "along the west wall",
             [(-4.6, 1.6, 5.2), (-4.9, 1.6, -0.6)],
             [(-6.4, 1.0, -4.0), (-5.4, 0.9, -7.0)],
         ),
-        _standing("tripod towards the west wall", (5.4, 1.6, 1.8), (-5.6, 0.9, -1.6)),
-        _standing("tripod by the chamber's wall", _in_chamber(100, 4.2, 1.55), _in_chamber(-95, 4.8, 0.9)),
+        tripod("tripod towards the west wall", (5.4, 1.6, 1.8), (-5.6, 0.9, -1.6)),
+        tripod("tripod by the chamber's wall", _in_chamber(100, 4.2, 1.55), _in_chamber(-95, 4.8, 0.9)),
         chamber_walk("round the lamp, far side", 140.0),
-        _standing("tripod over the floor", (-6.6, 2.1, 4.4), (-1.0, -0.4, -4.0)),
-        _walking(
+        tripod("tripod over the floor", (-6.6, 2.1, 4.4), (-1.0, -0.4, -4.0)),
+        walk(
             "over the dial's lines",
             [(-1.4, 1.7, 5.4), (3.9, 1.7, 4.9)],
             [(-4.6, 0.6, -4.0), (1.0, 0.7, -6.0)],
@@ -198,7 +188,7 @@ def _routes() -> list[Route]:
 
 
 def sundial() -> Scene:
-    """A court under turning sails and a chamber round a turning lamp: nothing in view moves but light and shadow."""
+    """Build a court under turning sails and a chamber round a turning lamp: only light and shadow move in view."""
     b = Builder()
     p = Palette(b)
     _court(b, p)

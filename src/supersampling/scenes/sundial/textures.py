@@ -1,10 +1,9 @@
-"""Painted walls and laid floors of the sundial court: all of it colour and small relief, none of it depth."""
+"""Painted walls and laid floors of the sundial court: colour and small relief without depth."""
 
 import numpy as np
 
 from supersampling.scenes.kit import textures
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import Field, fractal, normals, picture, ramp, surface
+from supersampling.scenes.kit.textures import Field, Maps, fractal, normals, picture, ramp, surface
 
 _LIME = np.array([0.93, 0.91, 0.86])
 _SIENNA, _OCHRE = np.array([0.62, 0.29, 0.19]), np.array([0.8, 0.58, 0.28])
@@ -12,7 +11,7 @@ _BLUE, _CREAM = np.array([0.2, 0.33, 0.55]), np.array([0.92, 0.88, 0.78])
 
 
 def limewash(size: int, seed: int) -> tuple[Field, Field]:
-    """Brightness (about 0.9) and height of a trowelled wall that tiles."""
+    """Return the brightness (about 0.9) and the height of a trowelled wall that tiles."""
     grain, cloud, stroke = (
         fractal(size, seed, 0.4),
         fractal(size, seed + 1, 1.3),
@@ -24,13 +23,13 @@ def limewash(size: int, seed: int) -> tuple[Field, Field]:
 
 
 def wall(size: int, seed: int) -> Maps:
-    """Bare lime wash."""
+    """Draw bare lime wash."""
     bright, height = limewash(size, seed)
     return picture(bright[..., None] * _LIME), normals(height, 3.5), surface(0.85 + 0.1 * height)
 
 
 def arcade(size: int, seed: int, variant: int) -> Maps:
-    """One bay of a painted arcade: pilasters, an arch of two colours, and inside it a lattice of vines or a painted sky."""
+    """Draw one bay of a painted arcade: pilasters, an arch of two colours, and in it a lattice of vines or a sky."""
     y, x = np.mgrid[:size, :size] / size
     u = x - 0.5
     bright, height = limewash(size, seed)
@@ -79,7 +78,7 @@ def arcade(size: int, seed: int, variant: int) -> Maps:
 
 
 def glazed_dado(size: int, seed: int, cells: int = 4) -> Maps:
-    """Painted wall tiles, matt: stars and quarter circles in blue and ochre on cream, every tile a little off in tone."""
+    """Draw painted wall tiles, matt: stars and quarter circles in blue and ochre on cream, tones vary by tile."""
     inside, value, height = textures.masonry(size, cells, cells, 0.006, seed, 0.0)
     y, x = np.mgrid[:size, :size] / size * cells
     u, v = x % 1 - 0.5, y % 1 - 0.5
@@ -98,9 +97,21 @@ def glazed_dado(size: int, seed: int, cells: int = 4) -> Maps:
 
 
 def meander(size: int, seed: int) -> Maps:
-    """Painted frieze, one picture a square: a key pattern between two lines."""
-    pattern = ("111111111111", "000000000000", "111111111110", "100000000010", "101111111010", "101000001010", "101011101010",
-               "101010001010", "101011111010", "101000000011", "000000000000", "111111111111")  # fmt: skip
+    """Draw a painted frieze, one picture per square: a key pattern between two lines."""
+    pattern = (
+        "111111111111",
+        "000000000000",
+        "111111111110",
+        "100000000010",
+        "101111111010",
+        "101000001010",
+        "101011101010",
+        "101010001010",
+        "101011111010",
+        "101000000011",
+        "000000000000",
+        "111111111111",
+    )
     key = np.array([[int(c) for c in row] for row in pattern])
     index = np.arange(size) * len(key) // size
     painted = key[np.ix_(index, index)].astype(float)
@@ -110,7 +121,7 @@ def meander(size: int, seed: int) -> Maps:
 
 
 def paving(size: int, seed: int, count: int = 4) -> Maps:
-    """Pale limestone squares with small dark insets at their corners, worn and dusty."""
+    """Draw pale limestone squares with small dark insets at their corners, worn and dusty."""
     inside, value, height = textures.masonry(size, count, count, 0.004, seed, 0.0)
     y, x = np.mgrid[:size, :size] / size * count
     inset = np.maximum(0.5 - np.abs(x % 1 - 0.5), 0.5 - np.abs(y % 1 - 0.5))
@@ -133,7 +144,7 @@ def paving(size: int, seed: int, count: int = 4) -> Maps:
 
 
 def stucco(size: int, seed: int) -> Maps:
-    """Warm red plaster of the lamp chamber with a stencilled lozenge pattern."""
+    """Draw the warm red plaster of the lamp chamber with a stencilled lozenge pattern."""
     y, x = np.mgrid[:size, :size] / size * 4
     lozenge = np.abs(x % 1 - 0.5) + np.abs(y % 1 - 0.5)
     bright, height = limewash(size, seed)

@@ -1,4 +1,4 @@
-"""Materials of the studio: engraved bronze, carved stone and wood, and what hangs on the walls."""
+"""Materials of the studio: engraved bronze, carved stone and wood, and the sheets on the walls."""
 
 from functools import cache
 
@@ -8,8 +8,8 @@ from scipy.ndimage import gaussian_filter
 
 from supersampling.scenes.kit import lettering, metal, textures
 from supersampling.scenes.kit.builder import Builder
-from supersampling.scenes.kit.metal import Maps
-from supersampling.scenes.kit.textures import Field
+from supersampling.scenes.kit.dials import gauge
+from supersampling.scenes.kit.textures import Field, Maps
 from supersampling.scenes.scene import Material
 
 BANDS = ("* THE WHEEL TURNS AND THE EYE STANDS STILL *", "* WHAT WAS HIDDEN COMES ROUND AGAIN *")
@@ -17,14 +17,14 @@ PANELS = ("AD MCMLXXI", "OPUS XII", "SOL ET LUNA", "FECIT RASTER")
 Stops = list[tuple[float, float, float]]
 
 
-def _drawn(size: int, draw_on: Image.Image, blur: float) -> Field:
-    """Height field of a drawing at twice the size."""
-    small = draw_on.resize((size, size), Image.Resampling.BOX)
+def _height_of(size: int, image: Image.Image, blur: float) -> Field:
+    """Return the height field of a drawing of twice the size."""
+    small = image.resize((size, size), Image.Resampling.BOX)
     return np.asarray(gaussian_filter(np.asarray(small, float) / 255, blur, mode="wrap"))
 
 
 def scrolls(size: int, cells: int) -> Field:
-    """Height field of carved scrolls: spirals that turn to and fro, leaves between, a bead in every eye."""
+    """Return the height field of carved scrolls: spirals in alternating directions, leaves, a bead in each eye."""
     big = 2 * size
     image = Image.new("L", (big, big), 0)
     draw, step = ImageDraw.Draw(image), big / cells
@@ -44,11 +44,11 @@ def scrolls(size: int, cells: int) -> Field:
             eye = 0.07 * step
             middle = ((j + 0.5) * step, (i + 0.5) * step)
             draw.ellipse((middle[0] - eye, middle[1] - eye, middle[0] + eye, middle[1] + eye), 255)
-    return _drawn(size, image, size / 700)
+    return _height_of(size, image, size / 700)
 
 
 def engraved_lines(size: int, waves: int) -> Field:
-    """Guilloche: two families of fine waves that cross, cut into a flat ground."""
+    """Return a guilloche: two families of fine waves that cross, cut into a flat ground."""
     y, x = np.mgrid[:size, :size] / size
     height = np.ones((size, size))
     for sense in (-1, 1):
@@ -57,8 +57,8 @@ def engraved_lines(size: int, waves: int) -> Field:
     return height
 
 
-def lettered(text: str, width: int, height: int, points: int, repeats: int) -> Field:
-    """Height field of a band: raised letters between two fillets, ``text`` in the middle of each of its equal parts."""
+def raised_letters(text: str, width: int, height: int, points: int, repeats: int) -> Field:
+    """Return the height field of a band: raised letters between two fillets, ``text`` in each of its equal parts."""
     image = Image.new("L", (2 * width, 2 * height), 60)
     draw, letters = ImageDraw.Draw(image), lettering.font(2 * points, "DejaVuSerif-Bold")
     for k in range(repeats):
@@ -69,7 +69,7 @@ def lettered(text: str, width: int, height: int, points: int, repeats: int) -> F
 
 
 def scale_ring(width: int, height: int) -> Field:
-    """Height field of a scale of degrees, a full turn wide: ticks, and a number at every ten."""
+    """Return the height field of a scale of degrees, a full turn wide: ticks, and a number at every ten."""
     image = Image.new("L", (2 * width, 2 * height), 255)
     draw, letters = ImageDraw.Draw(image), lettering.font(height // 2, "DejaVuSans-Bold")
     for degree in range(360):
@@ -83,12 +83,12 @@ def scale_ring(width: int, height: int) -> Field:
 
 @cache
 def _weather() -> tuple[Field, Field]:
-    """Fine and coarse noise, 1024 x 1024."""
+    """Return fine and coarse noise, 1024 x 1024."""
     return textures.fractal(1024, 1, 0.35), textures.fractal(1024, 2, 1.2)
 
 
 def carved(relief: Field, seed: int, stops: Stops, depth: float, metallic: float, rough: float = 0.35) -> Maps:
-    """Maps of a relief: dull in its hollows (patina, dust), worn bright on its heights."""
+    """Return the maps of a relief: dull in its hollows (patina, dust), worn bright on its heights."""
     height, width = relief.shape
     shift = tuple(np.random.default_rng(seed).integers(1024, size=2))
     across = max(width // 1024, 1)
@@ -106,7 +106,7 @@ def carved(relief: Field, seed: int, stops: Stops, depth: float, metallic: float
 
 
 class Materials:
-    """Adds the materials to a builder; one material index a name."""
+    """Materials of the studio, added to a builder; one material index per name."""
 
     def __init__(self, builder: Builder) -> None:
         self._builder = builder
@@ -129,13 +129,13 @@ class Materials:
         self.bands = [
             self._maps(
                 f"band {k}",
-                carved(lettered(t, 2048, 128, 62, 1), 33 + k, (bronze, ivory)[k], 5.0, 1.0 - k),
+                carved(raised_letters(t, 2048, 128, 62, 1), 33 + k, (bronze, ivory)[k], 5.0, 1.0 - k),
                 1.0,
             )
             for k, t in enumerate(BANDS)
         ]
         self.panels = [
-            self._maps(f"panel {k}", carved(lettered(t, 512, 256, 62, 1), 37 + k, bronze, 4.0, 1.0), 1.0)
+            self._maps(f"panel {k}", carved(raised_letters(t, 512, 256, 62, 1), 37 + k, bronze, 4.0, 1.0), 1.0)
             for k, t in enumerate(PANELS)
         ]
         self.brick = self._maps("brick", textures.bricks(512, 16, 6, red, 41), 1.4)
@@ -143,10 +143,14 @@ class Materials:
         self.tiles = self._maps("tiles", textures.floor_tiles(512, 6, marble, 49), 2.0)
         self.spines = self._flat("book spines", lettering.spines(51), 0.65)
         self.paper = self._flat("newspaper", lettering.newspaper(4), 0.9)
-        posters = (("GUILLOCHE", (28, 52, 70), (236, 222, 180)), ("TURNED WORK", (226, 208, 166), (130, 34, 28)),
-                   ("ROSE ENGINE", (60, 84, 62), (240, 228, 196)), ("PATTERN NO 9", (190, 150, 70), (30, 26, 26)))  # fmt: skip
+        posters = (
+            ("GUILLOCHE", (28, 52, 70), (236, 222, 180)),
+            ("TURNED WORK", (226, 208, 166), (130, 34, 28)),
+            ("ROSE ENGINE", (60, 84, 62), (240, 228, 196)),
+            ("PATTERN NO 9", (190, 150, 70), (30, 26, 26)),
+        )
         self.posters = [self._flat(t, lettering.poster(k, b, f, t), 0.8) for k, (t, b, f) in enumerate(posters)]
-        self.gauges = [self._flat(u, lettering.gauge(k, u), 0.5) for k, u in enumerate(("rpm", "mm"))]
+        self.gauges = [self._flat(u, gauge(k, u), 0.5) for k, u in enumerate(("rpm", "mm"))]
         self.plan = self._flat("work plan", lettering.notice(6, "WORK PLAN", (212, 222, 226), (26, 44, 90)), 0.9)
         soft = np.full((8, 8, 3), 235, np.uint8)
         self.lamp = builder.material(Material("soft box", soft, roughness=0.9, emission=(3.2, 3.0, 2.6)))

@@ -2,19 +2,18 @@
 
 import numpy as np
 
-from supersampling.scenes.atrium.parts import hoop
-from supersampling.scenes.foundry.parts import disc, gear, ring, turned
+from supersampling.scenes.kit.builder import Part
 from supersampling.scenes.kit.motion import rotation
 from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, lathe, quad, sphere, tube
+from supersampling.scenes.kit.wheels import disc, gear, hoop, ring
 from supersampling.scenes.turntable.materials import Materials
 
-Part = tuple[Shape, int]
 RADIUS = 0.82  # of the turntable
 TOP = 1.86  # height of the machine
 
 
 def _band(radius: float, low: float, high: float, segments: int = 72) -> Shape:
-    """Upright cylinder wall whose uv run once around and from top to bottom."""
+    """Return an upright cylinder wall whose uv run once around and from top to bottom."""
     return lathe([(radius, high), (radius, low)], segments).map_uv((1 / (2 * np.pi * radius), 1 / (high - low)))
 
 
@@ -23,7 +22,7 @@ def _around(shape: Shape, count: int, first: float = 0.0) -> Shape:
 
 
 def _table(m: Materials) -> list[Part]:
-    """Disc with a scale of degrees on its top and a lettered rim."""
+    """Return a disc with a scale of degrees on its top and a lettered rim."""
     top = lathe([(0.0, 0.0), (0.72, 0.0)], 72)
     scale = lathe([(0.72, 0.0), (RADIUS, 0.0)], 96)
     u = scale.uv[:, 0] / scale.uv[:, 0].max()
@@ -33,7 +32,7 @@ def _table(m: Materials) -> list[Part]:
 
 
 def _plinth(m: Materials) -> list[Part]:
-    """Eight-sided foot: mouldings, carved panels with lettering, balusters at the corners."""
+    """Return an eight-sided foot: mouldings, carved panels with lettering, balusters at the corners."""
     half, low, high = 0.44, 0.1, 0.42
     side = 2 * half * np.tan(np.pi / 8)
     face = quad((-side / 2 + 0.03, high - 0.03, half), (side - 0.06, 0, 0), (0, low - high + 0.06, 0))
@@ -60,7 +59,7 @@ def _plinth(m: Materials) -> list[Part]:
 
 
 def _urn(m: Materials) -> list[Part]:
-    """Body of the machine: fluted foot, carved belly, lettered shoulder, neck."""
+    """Return the body of the machine: fluted foot, carved belly, lettered shoulder, neck."""
     foot = lathe([(0.16, 0.62), (0.2, 0.56), (0.3, 0.51), (0.31, 0.49)], 96, 24, 0.08)
     t = np.linspace(0, np.pi, 15)
     belly = lathe(np.stack([0.2 + 0.17 * np.sin(t * 0.86 + 0.3), 0.62 + 0.2 * (1 - np.cos(t))], 1)[::-1], 72)
@@ -78,7 +77,7 @@ def _urn(m: Materials) -> list[Part]:
 
 
 def _handles(m: Materials) -> list[Part]:
-    """Four scrolled brackets with leaves, between the plinth and the belly."""
+    """Return four scrolled brackets with leaves, between the plinth and the belly."""
     t = np.linspace(0, 3.3 * np.pi, 60)
     radius = 0.12 * np.exp(-0.17 * t)
     curl = np.stack([0.5 + radius * np.cos(t - 0.6 * np.pi), 0.98 + radius * np.sin(t - 0.6 * np.pi), 0 * t], 1)
@@ -91,14 +90,14 @@ def _handles(m: Materials) -> list[Part]:
         1,
     )
     rod = tube(np.concatenate([arm, curl]), 0.017, 8)
-    leaves = [sphere(0.04, 10).at(rotation((0, 0, 1), a)).shift(*curl[k]) for k, a in ((8, 0.3), (24, 1.2))]
+    leaves = [sphere(0.04, 10).transform(rotation((0, 0, 1), a)).shift(*curl[k]) for k, a in ((8, 0.3), (24, 1.2))]
     ball = sphere(0.03, 14).shift(*curl[-1])
     stay = beam((0.37, 0.74, 0), (0.5, 0.74, 0), 0.02)
     return [(_around(join([rod, *leaves, ball, stay]), 4, 45), m.bronze)]
 
 
 def _works(m: Materials) -> list[Part]:
-    """Wheels on the four sides: a pair that mesh, on axles out of the belly."""
+    """Return wheels on the four sides: meshing pairs on axles out of the belly."""
     big, small = gear(40, 0.0085, 0.03, 6), gear(18, 0.0085, 0.03, 4)
     axle = disc(0.015, 0.3, (0, 0, -0.12), segments=12)
     steel = [join([small.shift(-0.21, 0.13, 0.0), axle.shift(-0.21, 0.13, 0.0)])]
@@ -117,11 +116,11 @@ def _works(m: Materials) -> list[Part]:
 
 
 def _sphere(m: Materials) -> list[Part]:
-    """Armillary rings about an engraved globe, and planets on long arms."""
+    """Return armillary rings about an engraved globe, and planets on long arms."""
     centre = (0.0, 1.54, 0.0)
     rings = [hoop(0.31, 0.018, 0.03), hoop(0.28, 0.014, 0.05).turn_y(90), hoop(0.25, 0.012, 0.03).turn_y(40)]
-    rings.append(turned(hoop(0.295, 0.014, 0.06), (1, 0, 0), 90))
-    rings.append(turned(hoop(0.27, 0.012, 0.045), (1, 0, 0.3), 66))
+    rings.append(hoop(0.295, 0.014, 0.06).turn((1, 0, 0), 90))
+    rings.append(hoop(0.27, 0.012, 0.045).turn((1, 0, 0.3), 66))
     cage = join([*rings, beam((-0.05, -0.3, 0), (0.05, 0.34, 0), 0.014)]).shift(*centre)
     globe = sphere(0.13, 48).shift(*centre)
     spire = lathe([(0.0, 0.06), (0.012, 0.04), (0.02, 0.02), (0.01, 0.0)], 16).shift(0, TOP, 0)
@@ -142,7 +141,7 @@ def _sphere(m: Materials) -> list[Part]:
             )
         )
         balls.append(sphere(0.03 + 0.008 * (k % 3), 20).shift(*tip))
-        halo = turned(ring(0.055, 0.008, 0.006, 28), (1, 0, 0), 70).shift(*tip)
+        halo = ring(0.055, 0.008, 0.006, 28).turn((1, 0, 0), 70).shift(*tip)
         arms.append(halo)
     stem = lathe([(0.03, 1.3), (0.045, 1.27), (0.045, 1.24), (0.07, 1.2)], 24)
     return [
@@ -154,7 +153,7 @@ def _sphere(m: Materials) -> list[Part]:
 
 
 def _cresting(m: Materials) -> list[Part]:
-    """Rows of little arches and pins around the plinth's upper edge."""
+    """Return rows of little arches and pins around the plinth's upper edge."""
     t = np.linspace(0, np.pi, 9)
     arch = tube(np.stack([0.032 * np.cos(t), 0.05 * np.sin(t), 0 * t], 1), 0.0045, 5)
     pin = join([cylinder(0.004, 0.07, 6).shift(0.032, 0.035, 0), sphere(0.009, 8).shift(0.032, 0.074, 0)])
@@ -163,5 +162,5 @@ def _cresting(m: Materials) -> list[Part]:
 
 
 def machine(m: Materials) -> list[Part]:
-    """All that turns."""
+    """Return everything that turns."""
     return [part for make in (_table, _plinth, _urn, _handles, _works, _sphere, _cresting) for part in make(m)]

@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from supersampling.scenes.atrium.parts import bookcase, framed
 from supersampling.scenes.kit.builder import Builder
+from supersampling.scenes.kit.furniture import bookcase, framed_picture
 from supersampling.scenes.kit.motion import spin
+from supersampling.scenes.kit.routes import tripod
 from supersampling.scenes.kit.shapes import beam, box, cylinder, lathe, panel, quad, tube
-from supersampling.scenes.scene import Array, PointLight, Route, Scene, Sky
+from supersampling.scenes.scene import PointLight, Route, Scene, Sky
 from supersampling.scenes.turntable.materials import Materials
 from supersampling.scenes.turntable.object import machine
 
@@ -21,7 +22,7 @@ LAMPS = (
 
 
 def _room(b: Builder, m: Materials) -> None:
-    """Floor, walls with a wainscot, ceiling with beams."""
+    """Add a floor, walls with a wainscot, ceiling with beams."""
     side = 2 * HALF
     b.put(panel((-HALF, 0, -HALF), (side, 0, 0), (0, 0, side), (8, 8)), m.tiles)
     b.put(panel((-HALF, HEIGHT, HALF), (side, 0, 0), (0, 0, -side), (4, 4)), m.oak, (0.8, 0.8, 0.8))
@@ -38,11 +39,11 @@ def _room(b: Builder, m: Materials) -> None:
 
 
 def _walls(b: Builder, m: Materials) -> None:
-    """Bookcases, posters, newspapers, tools and a rose engine's wheels on the four walls."""
+    """Add bookcases, posters, newspapers, tools and a rose engine's wheels on the four walls."""
     rng = np.random.default_rng(4)
     wood, books = bookcase(rng, 1.5, 6)
-    poster, frame = framed(0.8, 0.8)
-    page, page_frame = framed(1.0, 1.0)
+    poster, frame = framed_picture(0.8, 0.8)
+    page, page_frame = framed_picture(1.0, 1.0)
     for turn in (0, 90, 180, 270):
         k = turn // 90
         for j, x in enumerate((-2.7, 0.2)) if k % 2 == 0 else enumerate((2.6,)):
@@ -58,7 +59,7 @@ def _walls(b: Builder, m: Materials) -> None:
 
 
 def _furniture(b: Builder, m: Materials) -> None:
-    """Pedestal of the turntable, bench with tools and castings, lamps on stands, cables."""
+    """Add the pedestal of the turntable, benches with tools and castings, lamps on stands, cables."""
     b.put(
         lathe(
             [
@@ -116,40 +117,24 @@ def _furniture(b: Builder, m: Materials) -> None:
             b.put(tube([(foot[0], 0.5, foot[2]), end], 0.013, 6), m.iron)
 
 
-def _stand(name: str, eye: tuple[float, float, float], look: tuple[float, float, float], fov: float) -> Route:
-    """A camera that stands at ``eye``, looking at ``look``."""
-    back = np.array(eye) - np.array(look)
-    back /= np.linalg.norm(back)
-    right = np.cross((0.0, 1.0, 0.0), back)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4, dtype=np.float32)
-    pose[:3, :3] = np.stack([right, np.cross(back, right), back], 1)
-    pose[:3, 3] = eye
-
-    def camera(seconds: float) -> Array:
-        return pose
-
-    return Route(name, np.array([eye, eye], np.float32), None, camera, fov)
-
-
 def _routes() -> list[Route]:
-    """Ten viewpoints around the turntable, far and near."""
+    """Return ten viewpoints around the turntable, far and near."""
     return [
-        _stand("south", (0.2, 1.6, 2.9), (0.0, 1.3, 0.0), 0.8),
-        _stand("east", (2.8, 1.55, 0.3), (0.0, 1.3, 0.0), 0.8),
-        _stand("south west", (-1.7, 1.75, 2.2), (0.0, 1.3, 0.0), 0.8),
-        _stand("west", (-2.7, 1.6, -0.5), (0.0, 1.28, 0.0), 0.8),
-        _stand("north east", (2.0, 1.9, -1.8), (0.0, 1.28, 0.0), 0.8),
-        _stand("north", (-0.6, 1.5, -2.8), (0.0, 1.3, 0.0), 0.8),
-        _stand("near the scale", (1.2, 1.3, 1.2), (0.05, 0.9, 0.0), 0.9),
-        _stand("near the wheels", (-1.35, 1.5, 0.8), (0.0, 1.25, 0.1), 0.9),
-        _stand("from above", (1.25, 2.6, 1.5), (0.0, 1.3, 0.0), 0.8),
-        _stand("near the rings", (-0.8, 2.1, -1.3), (0.0, 1.9, 0.0), 0.9),
+        tripod("south", (0.2, 1.6, 2.9), (0.0, 1.3, 0.0), 0.8),
+        tripod("east", (2.8, 1.55, 0.3), (0.0, 1.3, 0.0), 0.8),
+        tripod("south west", (-1.7, 1.75, 2.2), (0.0, 1.3, 0.0), 0.8),
+        tripod("west", (-2.7, 1.6, -0.5), (0.0, 1.28, 0.0), 0.8),
+        tripod("north east", (2.0, 1.9, -1.8), (0.0, 1.28, 0.0), 0.8),
+        tripod("north", (-0.6, 1.5, -2.8), (0.0, 1.3, 0.0), 0.8),
+        tripod("near the scale", (1.2, 1.3, 1.2), (0.05, 0.9, 0.0), 0.9),
+        tripod("near the wheels", (-1.35, 1.5, 0.8), (0.0, 1.25, 0.1), 0.9),
+        tripod("from above", (1.25, 2.6, 1.5), (0.0, 1.3, 0.0), 0.8),
+        tripod("near the rings", (-0.8, 2.1, -1.3), (0.0, 1.9, 0.0), 0.9),
     ]
 
 
 def turntable() -> Scene:
-    """A studio of 8 x 8 m in which one carved machine turns in 24 s and all else stands, the cameras too."""
+    """Build a studio of 8 x 8 m in which one carved machine turns in 24 s; all else stands, the cameras too."""
     b = Builder()
     m = Materials(b)
     for part in (_room, _walls, _furniture):

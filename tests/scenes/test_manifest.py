@@ -1,4 +1,4 @@
-"""Manifests: every mistake is told, and the built-in scenes' words agree with their numbers."""
+"""Manifests: every mistake is reported, and the words of the built-in scenes agree with their numbers."""
 
 import pytest
 import yaml
@@ -15,7 +15,7 @@ from supersampling.scenes.manifest import (
     load_manifest,
     parse,
     with_measured,
-)  # fmt: skip
+)
 
 GOOD = {"title": "A box", "about": "One box. It turns.", "shows": dict.fromkeys(FEATURES, "present")}
 EVEN = dict.fromkeys(MEASURES, 0.5)
@@ -25,48 +25,48 @@ def text(**changes: object) -> str:
     return yaml.safe_dump({**GOOD, **changes}, sort_keys=False)
 
 
-def test_a_manifest_is_read_as_it_is_written():
-    found = parse(text(measured={**EVEN, "speed_95": 12, "reprojection_objects": None}), "box")
-    assert (found.title, found.about) == ("A box", "One box. It turns.")
-    assert found.shows == GOOD["shows"]
-    assert found.measured == {**EVEN, "speed_95": 12.0, "reprojection_objects": None}
+def test_parsed_manifest_equals_its_text():
+    manifest = parse(text(measured={**EVEN, "speed_95": 12, "reprojection_objects": None}), "box")
+    assert (manifest.title, manifest.about) == ("A box", "One box. It turns.")
+    assert manifest.shows == GOOD["shows"]
+    assert manifest.measured == {**EVEN, "speed_95": 12.0, "reprojection_objects": None}
     assert parse(text(), "box").measured == {}
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         ("- a\n- b\n", "['a', 'b']"),
         ("title: [", "not YAML"),
         (text(titel="x"), "'titel'"),
-        (text(title=""), "title is ''"),
-        (text(about=7), "about is 7"),
+        (text(title=""), "title= in"),
+        (text(about=7), "about=7"),
         (yaml.safe_dump({k: v for k, v in GOOD.items() if k != "shows"}), "'shows'"),
-        (text(shows={**GOOD["shows"], "moire": "lots"}), "'lots'"),
+        (text(shows={**GOOD["shows"], "moire": "lots"}), "moire=lots"),
         (text(shows={**GOOD["shows"], "rain": "absent"}), "'rain'"),
         (text(shows={k: v for k, v in GOOD["shows"].items() if k != "glossy"}), "'glossy'"),
-        (text(shows="all"), "'all'"),
-        (text(measured={**EVEN, "speed_95": "fast"}), "'fast'"),
-        (text(measured={**EVEN, "speed_95": True}), "True"),
+        (text(shows="all"), "shows=all"),
+        (text(measured={**EVEN, "speed_95": "fast"}), "speed_95=fast"),
+        (text(measured={**EVEN, "speed_95": True}), "speed_95=True"),
         (text(measured={**EVEN, "weight": 1.0}), "'weight'"),
         (text(measured={k: v for k, v in EVEN.items() if k != "thin_pixels"}), "'thin_pixels'"),
-        (text(measured=[1, 2]), "[1, 2]"),
+        (text(measured=[1, 2]), "measured=[1, 2]"),
     ],
 )
-def test_a_wrong_manifest_is_told_with_its_file_and_value(content, told):
+def test_invalid_manifest_is_reported_with_file_and_value(content, message):
     with pytest.raises(UserError) as error:
         parse(content, "box")
-    assert told in str(error.value)
+    assert message in str(error.value)
     assert "box.yaml" in str(error.value)
 
 
 @pytest.mark.parametrize("name", ["nowhere", "stk/zengarden", "../secret", ""])
-def test_a_scene_without_manifest_is_told(name):
+def test_scene_without_manifest_is_reported(name):
     with pytest.raises(UserError, match="has no manifest"):
         load_manifest(name)
 
 
-def test_measures_are_written_to_three_digits_and_the_rest_stays():
+def test_measures_have_three_digits_and_the_rest_of_the_text_stays():
     head = "title: A box   # a note\nabout: >-\n  One box.\n  It turns.\nshows:\n  moire: absent\n"
     values = {
         **EVEN,
@@ -85,20 +85,20 @@ def test_measures_are_written_to_three_digits_and_the_rest_stays():
 
 
 @pytest.mark.parametrize("feature", list(BOUNDS))
-def test_words_are_held_against_numbers(feature):
+def test_contradictions_of_levels_and_measures(feature):
     bound = BOUNDS[feature]
     assert bound.absent < bound.dominant
 
-    def told(level: str, value: float) -> bool:
-        others = {one: "present" for one in FEATURES if one != feature}
+    def contradicts(level: str, value: float) -> bool:
+        present = {name: "present" for name in FEATURES if name != feature}
         plenty = dict.fromkeys(MEASURES, 100.0)
-        manifest = Manifest("", "", {**others, feature: level}, {**plenty, bound.measure: value})
+        manifest = Manifest("", "", {**present, feature: level}, {**plenty, bound.measure: value})
         return any(sentence.startswith(feature + " ") for sentence in contradictions(manifest))
 
     between = (bound.absent + bound.dominant) / 2
-    assert [told(level, bound.absent) for level in LEVELS] == [True, True, False]
-    assert [told(level, between) for level in LEVELS] == [True, False, True]
-    assert [told(level, bound.dominant) for level in LEVELS] == [False, False, True]
+    assert [contradicts(level, bound.absent) for level in LEVELS] == [True, True, False]
+    assert [contradicts(level, between) for level in LEVELS] == [True, False, True]
+    assert [contradicts(level, bound.dominant) for level in LEVELS] == [False, False, True]
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
@@ -116,7 +116,7 @@ def test_built_in_scenes_move_as_their_motion_vectors_say(name):
 
 
 @pytest.mark.parametrize("feature", FEATURES)
-def test_each_feature_dominates_in_one_scene_and_is_absent_from_another(feature):
+def test_each_feature_is_dominant_in_some_scene_and_absent_from_another(feature):
     levels = {name: load_manifest(name).shows[feature] for name in BUILT_IN}
     assert "dominant" in levels.values(), levels
     assert "absent" in levels.values(), levels

@@ -1,4 +1,4 @@
-"""What every built-in scene must satisfy; each function asserts and takes the scene (or what builds it)."""
+"""Checks that every built-in scene must pass."""
 
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ Points = NDArray[np.float64]
 
 
 def check_meshes(scene: Scene, most_triangles: int = 80_000, most_texels: float = 20e6) -> None:
-    """Meshes are sound, used exactly once, face along their normals, and use every material; textures are bounded."""
+    """Assert that meshes are sound, used exactly once, face along their normals and use every material."""
     assert sorted(m for o in scene.objects for m in o.meshes) == list(range(len(scene.meshes)))
     assert {m.material for m in scene.meshes} == set(range(len(scene.materials)))
     agreeing = total = 0
@@ -34,7 +34,7 @@ def check_meshes(scene: Scene, most_triangles: int = 80_000, most_texels: float 
 
 
 def check_motion(scene: Scene) -> None:
-    """Moving objects in the world are rigid and never jump between 0 and 60 s."""
+    """Assert that moving objects in the world are rigid and never jump between 0 and 60 s."""
     times = np.arange(0.0, 60.0, 1.0 / 15.0)
     for thing in _movers(scene):
         points = np.concatenate([scene.meshes[m].positions for m in thing.meshes]).astype(np.float64)
@@ -51,7 +51,7 @@ def check_motion(scene: Scene) -> None:
 
 
 def check_routes(scene: Scene, clearance: float = 0.3) -> None:
-    """At least 8 routes of different names, their eyes ``clearance`` metres from all that stands or moves."""
+    """Assert at least 8 routes of different names, their eyes ``clearance`` metres away from all objects."""
     assert len({r.name for r in scene.routes}) == len(scene.routes) >= 8
     standing = _triangles(scene, [o for o in scene.objects if not o.moves], 0.0)
     moving = [_triangles(scene, _movers(scene), float(t)) for t in np.linspace(0.0, 60.0, 13)]
@@ -75,7 +75,7 @@ def check_routes(scene: Scene, clearance: float = 0.3) -> None:
 
 
 def check_equal(first: Scene, second: Scene) -> None:
-    """Two builds are equal to the bit."""
+    """Assert that two builds are equal to the bit."""
     for a, b in zip(first.meshes, second.meshes, strict=True):
         for name in ("positions", "normals", "uv", "triangles", "colors"):
             np.testing.assert_array_equal(getattr(a, name), getattr(b, name))
@@ -87,7 +87,7 @@ def check_equal(first: Scene, second: Scene) -> None:
 
 
 def nearest(eye: Points, triangles: Points, reach: float = 1.0) -> float:
-    """Distance from ``eye (3,)`` to the nearest of ``triangles (M, 3, 3)``; ``reach`` where none is nearer than that."""
+    """Return the distance from ``eye (3,)`` to the nearest of ``triangles (M, 3, 3)``, at most ``reach``."""
     lo, hi = triangles.min(axis=1), triangles.max(axis=1)
     close = triangles[((lo < eye + reach) & (hi > eye - reach)).all(axis=1)]
     if len(close) == 0:
@@ -106,15 +106,15 @@ def nearest(eye: Points, triangles: Points, reach: float = 1.0) -> float:
 
 
 def _movers(scene: Scene) -> list[Object]:
-    """Moving objects placed in the world; those tied to the camera have no path of their own."""
+    """Return the moving objects in the world; those tied to the camera have no path of their own."""
     return [o for o in scene.objects if o.moves and o.frame == "world"]
 
 
 def _triangles(scene: Scene, objects: list[Object], seconds: float) -> Points:
-    found = [np.zeros((0, 3, 3))]
+    triangles = [np.zeros((0, 3, 3))]
     for thing in objects:
         pose = thing.at(seconds).astype(np.float64)
         for m in thing.meshes:
             corners = scene.meshes[m].positions.astype(np.float64) @ pose[:3, :3].T + pose[:3, 3]
-            found.append(corners[scene.meshes[m].triangles])
-    return np.concatenate(found)
+            triangles.append(corners[scene.meshes[m].triangles])
+    return np.concatenate(triangles)

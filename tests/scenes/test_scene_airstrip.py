@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from built_scenes import built
 
-from supersampling.scenes.airstrip.motion import Course, lane
+from supersampling.scenes.airstrip.motion import lane
+from supersampling.scenes.kit.course import Course
 from supersampling.scenes.scene import Scene
 
 FRAME = 1.0 / 60.0

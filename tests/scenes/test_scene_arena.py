@@ -55,7 +55,7 @@ def test_every_figure_carries_a_plate(scene):
         assert places[:, 1].min() > 1.3
 
 
-def test_a_walking_foot_stands_on_the_ground_and_stays_there():
+def test_walking_foot_stands_still_on_the_ground():
     speed, parts = 1.3, []
 
     def ride(seconds: float) -> np.ndarray:

@@ -27,7 +27,7 @@ def test_all_is_matt_and_nothing_glows_or_is_cut_out(scene):
 
 
 def _period(scene: Scene, name: str, axis: int, box: tuple[tuple[float, float], ...]) -> float:
-    """Metres between neighbouring blades of a material within a box (x, y, z), from the places of their corners."""
+    """Return the metres between neighbouring blades of a material within a box (x, y, z), from their corners."""
     index = next(i for i, m in enumerate(scene.materials) if m.name == name)
     corners = np.concatenate([m.positions for m in scene.meshes if m.material == index])
     inside = np.all([(corners[:, k] > lo) & (corners[:, k] < hi) for k, (lo, hi) in enumerate(box)], axis=0)
@@ -66,14 +66,14 @@ def test_corrugated_normals_stand_on_the_sheet():
     tangent = np.gradient(row, axis=0)[1:-1]
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     normal = sheet.normals[: len(row)][1:-1]
-    assert np.abs((tangent * normal).sum(axis=1)).max() < 0.12  # six chords a wave
+    assert np.abs((tangent * normal).sum(axis=1)).max() < 0.12  # six chords per wave
     assert (normal[:, 2] > 0).all()
 
 
-def test_what_moves_is_slow(scene):
+def test_motion_is_slow(scene):
     moving = [o for o in scene.objects if o.moves]
     assert len(moving) >= 6
     for thing in moving:
         points = np.concatenate([scene.meshes[m].positions for m in thing.meshes]).astype(float)
         places = np.stack([points @ thing.at(t)[:3, :3].T + thing.at(t)[:3, 3] for t in np.linspace(0.0, 10.0, 601)])
-        assert np.linalg.norm(np.diff(places, axis=0), axis=2).max() < 0.005  # metres a frame of 1/60 s
+        assert np.linalg.norm(np.diff(places, axis=0), axis=2).max() < 0.005  # metres per frame of 1/60 s

@@ -1,4 +1,4 @@
-"""The atrium is well formed, deterministic, moves smoothly, and its routes are clear of what stands."""
+"""The atrium is well formed, deterministic, moves smoothly, and its routes are clear of all objects."""
 
 import numpy as np
 import pytest
@@ -20,13 +20,13 @@ def _geometric_normals(mesh: Mesh) -> np.ndarray:
 
 
 def _world_points(scene: Scene, moving: bool, seconds: float = 0.0) -> list[np.ndarray]:
-    found = []
+    points_of_objects = []
     for thing in scene.objects:
         if thing.moves == moving:
             points = np.concatenate([scene.meshes[m].positions for m in thing.meshes])
             matrix = thing.at(seconds)
-            found.append(points @ matrix[:3, :3].T + matrix[:3, 3])
-    return found
+            points_of_objects.append(points @ matrix[:3, :3].T + matrix[:3, 3])
+    return points_of_objects
 
 
 def test_meshes_are_well_formed(scene: Scene) -> None:
@@ -80,8 +80,8 @@ def test_movers_move_smoothly_and_rigidly(scene: Scene) -> None:
         assert np.ptp(places, axis=0).max() > 0.05  # it does move
 
 
-def test_the_carts_wheels_roll(scene: Scene) -> None:
-    """Where a wheel touches its rail it stands still, while its middle travels."""
+def test_wheels_of_the_cart_roll(scene: Scene) -> None:
+    """The point where a wheel touches its rail stands still, while its middle travels."""
     step, rolling = 1e-3, 0
     for thing in scene.objects:
         before, after = thing.at(6.0), thing.at(6.0 + step)
@@ -107,8 +107,8 @@ def test_some_movers_cross_several_pixels_a_frame(scene: Scene) -> None:
 
 
 def _surface_points(scene: Scene) -> np.ndarray:
-    """Vertices of what stands still, and points inside its large triangles."""
-    found = []
+    """Return the vertices of the static objects, and points inside their large triangles."""
+    points = []
     weights = [
         (1, 0, 0),
         (0, 1, 0),
@@ -120,8 +120,8 @@ def _surface_points(scene: Scene) -> np.ndarray:
     ]
     for m in scene.objects[0].meshes:
         corners = scene.meshes[m].positions[scene.meshes[m].triangles]
-        found += [np.tensordot(corners, w, axes=([1], [0])) for w in weights]
-    return np.concatenate(found)
+        points += [np.tensordot(corners, w, axes=([1], [0])) for w in weights]
+    return np.concatenate(points)
 
 
 def test_routes_are_eye_high_long_and_clear(scene: Scene) -> None:
@@ -143,7 +143,7 @@ def test_routes_are_eye_high_long_and_clear(scene: Scene) -> None:
             assert moving.query(line)[0].min() > 0.3, route.name
 
 
-def test_holes_glow_and_lights_are_there(scene: Scene) -> None:
+def test_materials_with_holes_and_glow_and_lights(scene: Scene) -> None:
     cut = [m for m in scene.materials if m.alpha == "test"]
     assert len(cut) >= 3
     for material in cut:

@@ -1,4 +1,4 @@
-"""The quick boxes, beams, quads and panels equal those of `shapes`."""
+"""The fast boxes, beams, quads and panels equal those of `shapes`."""
 
 import numpy as np
 import pytest

@@ -35,7 +35,7 @@ def test_one_object_turns_slowly_in_the_middle_of_every_view(scene):
             ahead = seen[:, 2] < -0.1
             pixels.append(focal * seen[:, :2] / -seen[:, 2:])
         moved = np.linalg.norm(pixels[1] - pixels[0], axis=1)[ahead]
-        assert 0.5 < moved.max() < 6.0, route.name  # slow, yet more than half a pixel a frame
+        assert 0.5 < moved.max() < 6.0, route.name  # slow, yet more than half a pixel per frame
         inside = (np.abs(pixels[0][ahead]) < (960.0, 540.0)).all(axis=1)
         assert inside.mean() > 0.3, route.name
         centre = np.median(pixels[0][ahead][inside], axis=0)

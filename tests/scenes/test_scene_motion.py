@@ -14,12 +14,12 @@ SIDE = 384  # samples, at 4 x 4 a pixel of a 1080p target
 
 
 def without_lamps(scene: Scene) -> Scene:
-    """Albedo needs no light; leaving the shadowed ones out saves their maps."""
+    """Return the scene without lights: albedo needs none, and shadow maps cost time."""
     return replace(scene, points=(), sun=None)
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
-def test_albedo_is_found_again_along_the_motion(name):
+def test_warped_albedo_equals_albedo(name):
     scene = without_lamps(built(name))
     sums = [[0.0, 0], [0.0, 0]]
     with Probe(scene) as probe:

@@ -1,4 +1,4 @@
-"""Every built-in scene is sound, moves smoothly, leaves its routes free and comes out the same each time."""
+"""Every built-in scene is sound, moves smoothly, leaves its routes free and is built equally each time."""
 
 import pytest
 from built_scenes import built

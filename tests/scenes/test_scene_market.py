@@ -1,4 +1,4 @@
-"""The market is full of print and fine texture, has leaves with holes, and only slow things move in it."""
+"""The market is full of print and fine texture, has leaves with holes, and only a few slow objects move in it."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from supersampling.render.paths import routes_of
 from supersampling.scenes.market.textures import fan_cobbles
 from supersampling.scenes.scene import Scene
 
-# What carries print, by the words in the names of the materials.
+# Words in the names of the materials that carry print.
 _PRINT = (
     "newspaper",
     "bill",
@@ -30,18 +30,18 @@ def scene() -> Scene:
 
 
 def _triangles(scene: Scene, words: tuple[str, ...]) -> np.ndarray:
-    """``(M, 3, 3)`` corners of what stands still and has a material of such a name."""
-    found = [
+    """Return the corners ``(M, 3, 3)`` of static triangles whose material has one of these words in its name."""
+    corners = [
         scene.meshes[m].positions[scene.meshes[m].triangles]
         for m in scene.objects[0].meshes
         if any(w in scene.materials[scene.meshes[m].material].name for w in words)
     ]
-    return np.concatenate(found).astype(np.float64)
+    return np.concatenate(corners).astype(np.float64)
 
 
 @pytest.mark.parametrize("split", ["train", "val", "test"])
 def test_print_is_near_every_route(scene: Scene, split: str) -> None:
-    """From each route's middle at least 4 square metres of print are within 6 m."""
+    """At least 4 square metres of print are within 6 m of the middle of each route."""
     corners = _triangles(scene, _PRINT)
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     for route in routes_of(scene, split):
@@ -74,7 +74,7 @@ def test_movers_are_few_and_slow(scene: Scene) -> None:
         for seconds in np.linspace(0, 60, 61):
             a, b = thing.at(seconds), thing.at(seconds + 1 / 60)
             step = points @ (b - a)[:3, :3].T + (b - a)[:3, 3]
-            assert np.linalg.norm(step, axis=1).max() * 60 < 1.5  # metres a second
+            assert np.linalg.norm(step, axis=1).max() * 60 < 1.5  # metres per second
 
 
 def test_nothing_shines_or_glows_and_leaves_have_holes(scene: Scene) -> None:

@@ -50,7 +50,7 @@ def test_box_area_and_volume() -> None:
     np.testing.assert_allclose((shape.positions.min(0), shape.positions.max(0)), ((6, -2.5, 1.5), (8, 0.5, 6.5)))
 
 
-def test_cylinder_sphere_and_tube_hold_the_volume_of_their_polygons() -> None:
+def test_volume_of_cylinder_sphere_and_tube() -> None:
     polygon = 0.5 * 12 * np.sin(2 * np.pi / 12)  # of radius 1
     assert _volume(cylinder(0.5, 2.0, 12)) == pytest.approx(polygon * 0.25 * 2.0)
     assert _volume(sphere(2.0, 96)) == pytest.approx(4 / 3 * np.pi * 8, rel=0.005)
@@ -111,9 +111,9 @@ def test_grid_drops_empty_triangles_and_join_offsets_indices() -> None:
     fan = grid(points, np.broadcast_to((0.0, 0, 1), points.shape), np.zeros((2, 3, 2)))
     assert len(fan.triangles) == 2
     assert _area(fan) == pytest.approx(1.0)
-    both = join([fan, fan.shift(9, 0, 0)])
-    assert _area(both) == pytest.approx(2.0)
-    assert both.triangles.max() == 11
+    pair = join([fan, fan.shift(9, 0, 0)])
+    assert _area(pair) == pytest.approx(2.0)
+    assert pair.triangles.max() == 11
 
 
 def test_turn_y_is_counter_clockwise_from_above() -> None:
@@ -178,6 +178,6 @@ def test_normal_map_of_a_known_wave() -> None:
 
 def test_floor_tiles_are_seeded() -> None:
     colors = ([(0.1, 0.1, 0.1), (0.2, 0.2, 0.2)], [(0.8, 0.8, 0.8), (0.9, 0.9, 0.9)])
-    one, two, other = (floor_tiles(64, 4, colors, seed)[0] for seed in (1, 1, 2))
-    np.testing.assert_array_equal(one, two)
-    assert (one != other).mean() > 0.5
+    first, second, third = (floor_tiles(64, 4, colors, seed)[0] for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first, second)
+    assert (first != third).mean() > 0.5

@@ -7,7 +7,8 @@ import pytest
 from built_scenes import built
 from scipy.spatial import KDTree
 
-from supersampling.scenes.foundry.parts import gear, meshing_phase, oval
+from supersampling.scenes.foundry.parts import meshing_phase, oval
+from supersampling.scenes.kit.wheels import gear
 from supersampling.scenes.scene import Scene
 
 FRAME = 1.0 / 60.0
@@ -98,14 +99,14 @@ def test_routes_are_clear(scene):
         assert tree.query(eyes)[0].min() > 0.4, route.name
 
 
-@pytest.mark.parametrize(("teeth", "other", "direction"), [(24, 14, 0.4), (17, 32, -1.1), (20, 20, 3.0)])
-def test_wheels_mesh_tooth_against_gap(teeth, other, direction):
+@pytest.mark.parametrize(("teeth", "count", "direction"), [(24, 14, 0.4), (17, 32, -1.1), (20, 20, 3.0)])
+def test_wheels_mesh_tooth_against_gap(teeth, count, direction):
     phase = 0.37
     for turn in (0.0, 0.05, 0.11):
         # As the first wheel turns, the other turns back by the ratio of their teeth.
-        first, second = phase + turn, meshing_phase(teeth, phase, other, direction) - turn * teeth / other
+        first, second = phase + turn, meshing_phase(teeth, phase, count, direction) - turn * teeth / count
         a = (direction - first) * teeth / (2 * np.pi)
-        b = (direction + np.pi - second) * other / (2 * np.pi)
+        b = (direction + np.pi - second) * count / (2 * np.pi)
         # A tooth's middle (whole number) of one meets a gap's middle (half) of the other.
         assert (a + b) % 1 == pytest.approx(0.5)
 
@@ -116,7 +117,7 @@ def test_gear_has_its_teeth():
     assert radius.max() == pytest.approx(0.45 + 0.045)
     tips = wheel.positions[radius > radius.max() - 1e-6]
     angle = np.unique(np.round(np.arctan2(tips[:, 1], tips[:, 0]) % (2 * np.pi), 6))
-    assert len(angle) == 36  # two corners a tooth
+    assert len(angle) == 36  # two corners per tooth
 
 
 def test_oval_is_walked_at_even_speed():

@@ -1,4 +1,4 @@
-"""Built-in scenes, each made once a test process."""
+"""Built-in scenes, each built once per test process."""
 
 from functools import cache
 

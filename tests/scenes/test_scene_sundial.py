@@ -1,4 +1,4 @@
-"""The sundial changes by moving shadows alone: what moves is out of view, what is in view stands still and hides nothing."""
+"""Only shadows change the sundial: moving objects are out of view; visible ones stand still and hide nothing."""
 
 import numpy as np
 import pytest
@@ -19,17 +19,17 @@ def scene() -> Scene:
 
 
 def _view(route: Route, share: float) -> np.ndarray:
-    """World-to-camera matrix a share of the way along a route."""
+    """Return the world-to-camera matrix at a share of the way along a route."""
     if route.recorded is not None:
         return np.linalg.inv(route.recorded(0.0).astype(np.float64))
     eyes, focus = np.asarray(route.points, np.float64), np.asarray(route.focus, np.float64)
-    at = share * (len(eyes) - 1)
-    i = min(int(at), len(eyes) - 2)
-    eye = eyes[i] + (at - i) * (eyes[i + 1] - eyes[i])
-    return look_at(eye, focus[i] + (at - i) * (focus[i + 1] - focus[i]) - eye)
+    place = share * (len(eyes) - 1)
+    i = min(int(place), len(eyes) - 2)
+    eye = eyes[i] + (place - i) * (eyes[i + 1] - eyes[i])
+    return look_at(eye, focus[i] + (place - i) * (focus[i + 1] - focus[i]) - eye)
 
 
-def test_what_moves_is_out_of_view(scene: Scene) -> None:
+def test_moving_objects_are_out_of_view(scene: Scene) -> None:
     slope = np.tan(1.05 / 2)
     for route in scene.routes:
         for share in (0.0, 0.5, 1.0):
@@ -46,8 +46,8 @@ def test_what_moves_is_out_of_view(scene: Scene) -> None:
                     assert not inside.any(), route.name
 
 
-def test_rooms_are_convex_but_for_mouldings(scene: Scene) -> None:
-    """No vertex below the walls' tops height stands further into a room than a moulding does: nothing can hide anything."""
+def test_rooms_are_convex_except_for_mouldings(scene: Scene) -> None:
+    """Below the tops of the walls nothing stands out further than a moulding, so nothing can hide anything."""
     points = np.concatenate([scene.meshes[m].positions for m in scene.objects[0].meshes]).astype(np.float64)
     low = points[(points[:, 1] > RELIEF) & (points[:, 1] < 5.0)]
     in_court = (np.abs(low[:, [0, 2]]) < np.array(HALF) - RELIEF - 1e-3).all(axis=1)
