@@ -8,8 +8,8 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 ROOMS = (  # from the bottom up
-    "errors", "resources", "config", "ops", "frames", "pretrained", "metrics", "losses", "stages", "models", "data", "scenes",
-    "render", "show", "evaluation", "deploy", "runs", "profiling", "training", "advice", "stress", "reporting", "commands",
+    "errors", "settings", "resources", "config", "ops", "frames", "pretrained", "metrics", "losses", "stages", "models", "data", "scenes",
+    "render", "show", "evaluation", "deploy", "runs", "profiling", "training", "advice", "stress", "reporting", "commands", "api",
 )  # fmt: skip
 LEVEL = {room: level for level, room in enumerate(ROOMS)}
 FILES = sorted(PACKAGE.rglob("*.py"))
