@@ -81,7 +81,7 @@ def load_model(checkpoint: str | Path) -> Upsampler:
     return model.eval()
 
 
-def render(*overrides: str, split: str = "test", buffers: Sequence[str] = tuple(BUFFERS)) -> list[Path]:
+def render_data(*overrides: str, split: str = "test", buffers: Sequence[str] = tuple(BUFFERS)) -> list[Path]:
     """Render the missing data set files of ``render.py OVERRIDES`` and return the paths of a split.
 
     Raises:
@@ -177,7 +177,7 @@ def warp_images(check: WarpCheck) -> dict[str, Picture]:
 
 
 @torch.inference_mode()
-def run(model: Upsampler, clip: Clip) -> Iterator[Tensor]:
+def upsample(model: Upsampler, clip: Clip) -> Iterator[Tensor]:
     """Yield the output for each frame of a clip in order, ``(3, H, W)`` in [0, 1]; the state is carried between frames."""
     state: Any = None
     for t in range(len(clip)):
