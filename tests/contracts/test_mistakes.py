@@ -73,8 +73,8 @@ def test_a_broken_file(content, part, own, tmp_path):
         ("data.camera=run", "run"),
         ("buffers=[colour]", "There is no buffer colour"),
         ("scene=gltf", "path=FILE"),
-        ("import=qrisp", "path=FOLDER"),
-        ("export=nsrd", "path=FILE.h5"),
+        ("import=qrisp", "import_capture.py layout=qrisp"),
+        ("export=nsrd", "export_capture.py layout=nsrd"),
     ],
 )
 def test_render(override, part, tmp_path):

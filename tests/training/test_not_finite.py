@@ -127,9 +127,9 @@ def test_it_stops_and_says_where(tmp_path, step, validate_every, value):
     run = stopped(tmp_path, loss, validate_every)
     said = str(run.error)
     epoch, batch = divmod(step, STEPS)
-    assert f"at step {step} (epoch {epoch}, batch {batch}): broken = {value}, beside l1 = " in said
+    assert f"at step {step} (epoch {epoch}, batch {batch}): broken = {value}, with l1 = " in said
     items = list(range(BATCH * step, BATCH * (step + 1)))
-    assert f"Its windows: {'; '.join(f'item {k}' for k in items)}. The checkpoint" in said
+    assert f"Its windows: {'; '.join(f'item {k}' for k in items)}. The previous checkpoint" in said
     assert set(items) <= set(Items.seen)
     # The last checkpoint is of a whole epoch before, and good.
     assert run.checkpoint["global_step"] == epoch * STEPS

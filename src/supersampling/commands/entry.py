@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import hydra
-import yaml
 from hydra.core.hydra_config import HydraConfig
 from hydra.errors import HydraException
 from hydra.experimental.callback import Callback
@@ -29,11 +28,23 @@ from supersampling.resources import VARIABLE, resources
 
 USER_ERROR_STATUS = 2
 INTERRUPTED_STATUS = 130
-COMMANDS = (
-    "train", "evaluate", "report", "compare", "pick", "render", "show", "import_capture", "export_capture", "count",
-    "benchmark", "export", "stress", "advise",
-)  # fmt: skip
-"""A command's function is ``supersampling.commands.NAME.NAME``, its configuration ``conf/NAME.yaml``."""
+COMMANDS = {
+    "train": "Train a method, score it on held-out clips, and log both",
+    "evaluate": "Score a trained method, or the frames of another program",
+    "report": "Write the PDFs, and the tables beside the papers' own",
+    "compare": "Compare two methods over the same clips",
+    "pick": "Pick the best method for a time, or the fastest for a quality",
+    "render": "Render data sets",
+    "show": "Write pictures and a video of a data set",
+    "import_capture": "Import a capture of another program",
+    "export_capture": "Export a data set as a capture of another program",
+    "count": "Print the parameters and operations of a method",
+    "benchmark": "Time methods under every installed backend",
+    "export": "Export a method to ONNX, checked against PyTorch",
+    "stress": "Try models at the extremes against a float64 reference",
+    "advise": "Find the cheapest composition that a scene requires",
+}
+"""A line for each command. Its function is ``supersampling.commands.NAME.NAME``, its configuration ``conf/NAME.yaml``."""
 
 FAILED: list[int] = []
 """The exit statuses of the jobs that failed."""
@@ -59,16 +70,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.stderr.write(f"error: Unknown command {words[0]}: use one of {', '.join(COMMANDS)}.\n")
         sys.exit(USER_ERROR_STATUS)
     print(
-        "supersampling COMMAND [group=option] [key=value] ...        supersampling COMMAND --help says what can be set\n"
+        "supersampling COMMAND [group=option] [key=value] ...        supersampling COMMAND --help lists the settings\n"
     )
-    for command in COMMANDS:
-        print(f"  {command:15} {summary(command)}")
-
-
-def summary(name: str) -> str:
-    """Return the first sentence of a command's help."""
-    config = yaml.safe_load((resources() / "conf" / f"{name}.yaml").read_text(encoding="utf-8"))
-    return str(" ".join(config["hydra"]["help"]["header"].split()).partition(". ")[0].partition(": ")[0].rstrip("."))
+    for command, line in COMMANDS.items():
+        print(f"  {command:15} {line}")
 
 
 def script(path: str) -> None:

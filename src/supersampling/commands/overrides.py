@@ -63,7 +63,7 @@ def explanation(command: str, arguments: Sequence[str], error: Exception) -> str
         )
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
         group, _, option = str(error.missing_cfg_file).rpartition("/")
-        return f"Unknown option {group}={option}: use {', '.join(error.options or group_options(group))}."
+        return f"Unknown option {group}={option}: use {', '.join(group_options(group) or error.options or ())}."
     match = re.search(r"Could not override '([^']+)'", text)
     if not isinstance(error, ConfigCompositionException) or match is None:
         return None

@@ -30,7 +30,7 @@ class SpatioTemporal(Loss):
 
     def __init__(self, theta: float) -> None:
         super().__init__()
-        if not 0.0 <= theta <= 1.0:
+        if isinstance(theta, bool) or not isinstance(theta, (int, float)) or not 0.0 <= theta <= 1.0:
             raise UserError(
                 f"Invalid loss.theta={theta}: use a number between 0 and 1 (the thesis tries 0.1, 0.5 and 0.9)."
             )

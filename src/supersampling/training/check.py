@@ -1,10 +1,10 @@
-"""The configuration's numbers, checked once at the boundary."""
+"""Checks of the numbers that decide a training, made once at the boundary."""
 
 from omegaconf import DictConfig, OmegaConf
 
 from supersampling.errors import UserError
 
-# key: (type, lowest, highest)
+# Type, lowest and highest value of each key.
 _NUMBERS: dict[str, tuple[type, float, float]] = {
     "seed": (int, 0, 2**32 - 1),
     "threads": (int, 1, 4096),
@@ -16,27 +16,20 @@ _NUMBERS: dict[str, tuple[type, float, float]] = {
     "budget.crop": (int, 8, 1e5),
     "budget.frames": (int, 1, 1e6),
     "budget.counted": (int, 1, 1e6),
-    "loss.theta": (float, 0.0, 1.0),
     "optimizer.lr": (float, 0.0, 1e3),
 }
 
 
 def check_numbers(cfg: DictConfig) -> None:
-    """Refuse a number that is of another type or out of its range.
-
-    Raises:
-        UserError: names the key, the value and the range.
-    """
+    """Raise `UserError` for a number of another type or outside of its range; numbers of a model or loss check themselves."""
     for key, (kind, low, high) in _NUMBERS.items():
         value = OmegaConf.select(cfg, key)
         if value is None:
             continue
         allowed = (int,) if kind is int else (int, float)
         if isinstance(value, bool) or not isinstance(value, allowed) or not low <= value <= high:
-            word = "an integer" if kind is int else "a number"
-            raise UserError(f"{key}={value} is not possible: use {word} from {low:g} to {high:g}.")
+            word = "a whole number" if kind is int else "a number"
+            raise UserError(f"Invalid {key}={value}: use {word} between {low:g} and {high:g}.")
     counted, frames = OmegaConf.select(cfg, "budget.counted"), OmegaConf.select(cfg, "budget.frames")
     if counted is not None and counted > frames:
-        raise UserError(
-            f"budget.counted={counted} are more than budget.frames={frames}: count fewer frames, or unroll more."
-        )
+        raise UserError(f"Invalid budget.counted={counted}: use at most budget.frames={frames}, or unroll more frames.")

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import lightning as L
 from hydra.utils import instantiate
@@ -16,21 +15,19 @@ from supersampling.errors import UserError
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
 from supersampling.runs.checkpoint import Carry, metadata
+from supersampling.runs.experiment import Experiment
 from supersampling.training.module import Training, checkpoints
 from supersampling.training.tune import tune
 
-if TYPE_CHECKING:
-    from supersampling.runs.experiment import Experiment
-
 
 def fit(
-    cfg: DictConfig, files: Mapping[str, list[Path]], folder: Path, experiment: "Experiment", run_id: str
+    cfg: DictConfig, files: Mapping[str, list[Path]], folder: Path, experiment: Experiment, run_id: str
 ) -> Upsampler:
-    """Train the configured model, from ``folder/last.ckpt`` if there is one; logs ``train/minutes`` and the checkpoint.
+    """Train the configured model, from ``folder/last.ckpt`` if it exists; log ``train/minutes`` and the checkpoint.
 
-    The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters; the samples depend on
-    their index alone: so an interrupted run reaches the weights of an uninterrupted one. It also carries the configuration
-    that it takes to use it: see `supersampling.runs.checkpoint`.
+    The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters. Samples depend on their
+    index only, so an interrupted run reaches the weights of an uninterrupted one. The checkpoint also holds the configuration
+    that is needed to use it: see `supersampling.runs.checkpoint`.
     """
     L.seed_everything(cfg.seed, workers=True, verbose=False)
     model: Upsampler = instantiate(cfg.model)
@@ -59,15 +56,15 @@ def fit(
 
 
 def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsampler, loss: Loss) -> Loaders:
-    """The loaders that a configuration asks for, with the buffers that its model and loss read.
+    """Return the loaders of a configuration, with the buffers that its model and loss read.
 
     Raises:
-        UserError: more frames are counted, or read by the loss before them, than there are.
+        UserError: the counted frames and those that the loss reads before them are more than the unrolled ones.
     """
     if cfg.budget.counted + loss.previous > cfg.budget.frames:
         raise UserError(
-            f"budget.counted={cfg.budget.counted} with this loss, which reads {loss.previous} frame before them, needs more "
-            f"than budget.frames={cfg.budget.frames}: count fewer frames, or unroll more."
+            f"budget.counted={cfg.budget.counted} needs more than budget.frames={cfg.budget.frames} with this loss, which reads "
+            f"{loss.previous} frame before the counted ones: count fewer frames, or unroll more."
         )
     cut = Cut(cfg.budget.crop, cfg.budget.frames, cfg.budget.counted + loss.previous)
     pick, augment = instantiate(cfg.pick), instantiate(cfg.augment)
@@ -78,14 +75,14 @@ def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsamp
 
 
 def choose_constants(cfg: DictConfig, train_files: list[Path]) -> tuple[Upsampler, dict[str, float]]:
-    """A classical method with the constants of ``cfg.tune.grid`` that do best on the training clips."""
+    """Return a classical method with the constants of ``cfg.tune.grid`` that score best on the training clips."""
     grid = OmegaConf.select(cfg, "tune.grid") or {}
 
-    def make(constants: Mapping[str, float]) -> Upsampler:
+    def build(constants: Mapping[str, float]) -> Upsampler:
         return instantiate(cfg.model, **constants)
 
     if not grid:
-        return make({}), {}
-    clips = WholeClips(train_files, make({}).requires)
-    best, _ = tune(make, OmegaConf.to_container(grid), clips)  # type: ignore[arg-type]
-    return make(best), best
+        return build({}), {}
+    clips = WholeClips(train_files, build({}).requires)
+    best, _ = tune(build, OmegaConf.to_container(grid), clips)  # type: ignore[arg-type]
+    return build(best), best

@@ -17,23 +17,22 @@ from supersampling.losses import Loss
 from supersampling.metrics.image import psnr
 from supersampling.models.base import Upsampler
 
-# Steps whose losses are looked at together: asking an accelerator for a value makes it wait.
+# Losses of so many steps are checked together: reading a value makes an accelerator wait.
 CHECKED_TOGETHER = 16
 
 OptimizerFactory = Callable[[Iterable[nn.Parameter]], Optimizer]
 SchedulerFactory = Callable[[Optimizer], LRScheduler]
 
-
-KEPT = (
-    "The checkpoint written before was kept. A smaller budget.lr, trainer.gradient_clip_val=1 or "
+ADVICE = (
+    "The previous checkpoint was kept. A smaller budget.lr, trainer.gradient_clip_val=1 or "
     "trainer.precision=32-true may help."
 )
 
 
 def checkpoints(folder: Path) -> ModelCheckpoint:
-    """Writes ``folder/last.ckpt`` at the end of every epoch, validated or not, over the one before.
+    """Return a callback that overwrites ``folder/last.ckpt`` at the end of every epoch, validated or not.
 
-    Not by ``save_last`` without ``save_top_k``: Lightning then writes one checkpoint, when the training ends.
+    ``save_last`` without ``save_top_k`` would not do: Lightning then writes one checkpoint, when the training ends.
     """
     return ModelCheckpoint(
         folder,
@@ -46,13 +45,13 @@ def checkpoints(folder: Path) -> ModelCheckpoint:
 
 
 class NotFinite(Exception):
-    """A loss became NaN or infinite: says which term, at which step, and on which samples."""
+    """A loss became NaN or infinite; the message names the term, the step and the samples."""
 
 
 def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
-    """Run a model over a clip from its first frame; the outputs of the last ``keep`` frames, ``(B, keep, 3, H, W)``.
+    """Run a model over a clip from its first frame; return the outputs of the last ``keep`` frames, ``(B, keep, 3, H, W)``.
 
-    Of the frames before these only the state is made.
+    For the earlier frames, only the state is computed.
     """
     length = clip_length(clip)
     state, outputs = None, []
@@ -87,12 +86,12 @@ class Training(L.LightningModule):
         self.loss = loss
         self._make_optimizer = optimizer
         self._make_scheduler = scheduler
-        self._kept = counted + loss.previous
+        self._outputs = counted + loss.previous
         self._unchecked: list[tuple[int, int, dict[str, Tensor]]] = []  # step, batch of the epoch, terms
 
     def training_step(self, clip: dict[str, Tensor], batch_index: int) -> Tensor:
-        outputs = unroll(self.model, clip, self._kept)
-        frames = {name: values[:, -self._kept :] for name, values in clip.items()}
+        outputs = unroll(self.model, clip, self._outputs)
+        frames = {name: values[:, -self._outputs :] for name, values in clip.items()}
         terms = self.loss.terms(outputs, self.model.reference(frames), frames)
         value = torch.stack(list(terms.values())).sum()
         self._unchecked.append((self.global_step, batch_index, {k: v.detach() for k, v in terms.items()}))
@@ -108,17 +107,17 @@ class Training(L.LightningModule):
         self._check()
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Refuse to write weights or a loss that are not finite; the last checkpoint then stays."""
+        """Raise `NotFinite` for weights or a loss that are not finite, so that the previous checkpoint stays."""
         self._check()
         bad = [name for name, weight in checkpoint["state_dict"].items() if not weight.isfinite().all()]
         if bad:
             raise NotFinite(
                 f"The weights {', '.join(bad[:3])} stopped being finite in the last step of epoch {self.current_epoch}, whose "
-                f"loss was finite. {KEPT}"
+                f"loss was finite. {ADVICE}"
             )
 
     def _check(self) -> None:
-        """Raise `NotFinite` for the first step since the last look whose terms are not all finite."""
+        """Raise `NotFinite` for the first step since the last check whose terms are not all finite."""
         steps, self._unchecked = self._unchecked, []
         if not steps or torch.stack([v for _, _, terms in steps for v in terms.values()]).isfinite().all():
             return
@@ -128,21 +127,21 @@ class Training(L.LightningModule):
                 good = [f"{name} = {value.item():.4g}" for name, value in terms.items() if value.isfinite()]
                 raise NotFinite(
                     f"The loss stopped being finite at step {step} (epoch {self.current_epoch}, batch {batch}): "
-                    f"{', '.join(bad)}{', beside ' if good else ''}{', '.join(good)}. Its windows: "
-                    f"{'; '.join(self._windows(batch))}. {KEPT}"
+                    f"{', '.join(bad)}{', with ' if good else ''}{', '.join(good)}. Its windows: "
+                    f"{'; '.join(self._windows(batch))}. {ADVICE}"
                 )
 
     def _windows(self, batch: int) -> list[str]:
-        """The names of the windows in a batch of this epoch: the sampler gives the same ones again."""
+        """Return the names of the windows in a batch of this epoch: the sampler repeats them."""
         loader: Any = self.trainer.train_dataloader
         return [loader.dataset.name(k) for k in next(islice(iter(loader.batch_sampler), batch, None))]
 
     def validation_step(self, clip: dict[str, Tensor], batch_index: int) -> None:
-        kept = clip["target"].shape[1]
-        outputs = unroll(self.model, clip, kept)
-        first = clip_length(clip) - kept
-        shown = [self.model.present(outputs[:, k], Frame.from_clip(clip, first + k)) for k in range(kept)]
-        mean = psnr(torch.cat(shown).float(), clip["target"].transpose(0, 1).flatten(0, 1)).mean()
+        targets = clip["target"].shape[1]
+        outputs = unroll(self.model, clip, targets)
+        first = clip_length(clip) - targets
+        images = [self.model.present(outputs[:, k], Frame.from_clip(clip, first + k)) for k in range(targets)]
+        mean = psnr(torch.cat(images).float(), clip["target"].transpose(0, 1).flatten(0, 1)).mean()
         self.log("val/psnr", mean, on_epoch=True, batch_size=1, prog_bar=True, sync_dist=True)
 
     def configure_optimizers(self) -> Any:

@@ -1,4 +1,4 @@
-"""Optimizers whose parameters fall into groups."""
+"""Optimizers that treat groups of parameters differently."""
 
 from collections.abc import Iterable
 
@@ -8,11 +8,11 @@ from torch.optim import Optimizer
 
 
 def muon(parameters: Iterable[nn.Parameter], lr: float, momentum: float = 0.9) -> Optimizer:
-    """Muon for weights, Adam for biases and other vectors, at one learning rate.
+    """Return Muon for weights and Adam for biases and other vectors, at one learning rate.
 
     A convolution's weight counts as the matrix (outputs, inputs x taps). Its step is as long as Adam's would be
-    (Liu et al. 2025, "Muon is scalable for LLM training", 2.2), in equal measure along all singular directions: history
-    and input are correlated colours, whose differences Adam is slow to learn.
+    (Liu et al. 2025, "Muon is scalable for LLM training", 2.2), equally along all singular directions: history
+    and input are correlated colours, whose differences Adam learns slowly.
     """
     trained = list(parameters)
     matrices = {"params": [p for p in trained if p.ndim >= 2], "use_muon": True}

@@ -1,4 +1,4 @@
-"""Constants of a classical method, chosen on the training clips: the grid point with the best mean PSNR."""
+"""Constants of a classical method, tuned on the training clips: the grid point with the best mean PSNR."""
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
@@ -36,10 +36,10 @@ def _mean_psnr(model: Upsampler, clips: list[dict[str, torch.Tensor]]) -> float:
 def tune(
     make: Callable[[Mapping[str, float]], Upsampler], grid: Mapping[str, Sequence[float]], clips: WholeClips
 ) -> tuple[dict[str, float], float]:
-    """Try every combination of ``grid`` on some training clips; the best constants and their mean PSNR in dB."""
-    chosen = np.unique(np.linspace(0, len(clips) - 1, CLIPS).astype(int))
-    read = [clips[int(k)] for k in chosen]
+    """Try every combination of ``grid`` on some training clips; return the best constants and their mean PSNR in dB."""
+    indices = np.unique(np.linspace(0, len(clips) - 1, CLIPS).astype(int))
+    sample = [clips[int(k)] for k in indices]
     trials = [dict(zip(grid, values)) for values in product(*grid.values())]
-    scores = [_mean_psnr(make(trial), read) for trial in tqdm(trials, desc="tune", unit="trial", leave=False)]
+    scores = [_mean_psnr(make(trial), sample) for trial in tqdm(trials, desc="tune", unit="trial", leave=False)]
     best = int(np.argmax(scores))
     return trials[best], scores[best]
