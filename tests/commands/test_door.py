@@ -51,7 +51,8 @@ def test_every_key_of_a_command_is_in_the_table(name):
         cfg = compose(name)
     assert {str(key) for key in cfg} <= KEYS.keys()
     known = {str(key) for command in entry.COMMANDS for key in _keys(command)}
-    assert {key for key in KEYS if "." not in key} <= known | {"hydra", "tune", "backends", "among"}
+    groups = {path.name for path in (resources() / "conf").iterdir() if path.is_dir()}
+    assert {key for key in KEYS if "." not in key} <= known | groups
 
 
 def _keys(name):
