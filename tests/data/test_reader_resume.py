@@ -38,7 +38,7 @@ def finished(out):
 def test_import_killed_three_times_equals_undisturbed_import(capture, tmp_path):
     (whole,) = import_capture("qrisp", capture, tmp_path / "whole", scale=2)
     out, rng = tmp_path / "killed", random.Random(7)
-    finished: dict[str, bytes] = {}
+    previous: dict[str, bytes] = {}
     for clips in (1, 3, 4):
         process = start(capture, out)
         while len(finished(out)) < clips and process.is_alive():
@@ -48,9 +48,9 @@ def test_import_killed_three_times_equals_undisturbed_import(capture, tmp_path):
         process.join()
         assert not list(out.glob("*.h5")), "killed too late to prove anything"
         now = finished(out)
-        assert now.items() >= finished.items()
-        finished = now
-    assert len(finished) >= 4
+        assert now.items() >= previous.items()
+        previous = now
+    assert len(previous) >= 4
     (resumed,) = import_capture("qrisp", capture, out, scale=2)
     assert resumed.name == whole.name
     assert resumed.read_bytes() == whole.read_bytes()
