@@ -15,7 +15,21 @@ from supersampling.render.pool import render_files
 from supersampling.scenes.scene import Material, Mesh, Object, Route, Scene, Sky
 
 USUAL = frozenset({"color", "depth", "motion", "jitter", "target"})
-SPEC = CaptureSpec("wall", "train", 3, 4, 4, (192, 108), (64, 64), 4, "thesis", "matched", 2, 0, 2)
+SPEC = CaptureSpec(
+    scene="wall",
+    split="train",
+    clips=3,
+    frames=4,
+    targets=4,
+    frame=(192, 108),
+    window=(64, 64),
+    scale=4,
+    jitter="thesis",
+    mip_bias="matched",
+    samples=2,
+    seed=0,
+    candidates=2,
+)
 
 
 def render_file(spec: CaptureSpec, folder, scene: Scene | None = None, names: frozenset[str] = USUAL):
@@ -131,8 +145,8 @@ def test_motion_brings_the_previous_target_here(store):
         ({"split": "dev"}, "dev"),
         ({"clips": 0}, "clips=0"),
         ({"targets": 5}, "targets=5"),
-        ({"window": (8, 64)}, "width of 8"),
-        ({"window": (64, 200)}, "height of 200"),
+        ({"window": (8, 64)}, "width 8"),
+        ({"window": (64, 200)}, "height 200"),
         ({"jitter": "zigzag"}, "zigzag"),
         ({"mip_bias": "none"}, "none"),
     ],

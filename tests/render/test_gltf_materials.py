@@ -1,4 +1,4 @@
-"""Materials and textures against the specification's formulas, and what comes out of the renderer."""
+"""MaterialReader and textures against the specification's formulas, and what comes out of the renderer."""
 
 import io
 from pathlib import Path

@@ -18,15 +18,28 @@ from supersampling.render.renderer import Renderer
 
 ROOT = Path(__file__).resolve().parents[2]
 USUAL = frozenset({"color", "motion", "jitter", "target"})
-SPEC = CaptureSpec("foundry", "train", 4, 3, 2, (192, 108), (48, 48), 4, "thesis", "matched", 2, 0, 1)
-COMMAND = """
+SPEC = CaptureSpec(
+    scene="foundry",
+    split="train",
+    clips=4,
+    frames=3,
+    targets=2,
+    frame=(192, 108),
+    window=(48, 48),
+    scale=4,
+    jitter="thesis",
+    mip_bias="matched",
+    samples=2,
+    seed=0,
+    candidates=1,
+)
+COMMAND = f"""
 import sys
 from pathlib import Path
 from supersampling.data.spec import CaptureSpec
 from supersampling.render.pool import render_files
 if __name__ == "__main__":
-    spec = CaptureSpec("foundry", "train", 4, 3, 2, (192, 108), (48, 48), 4, "thesis", "matched", 2, 0, 1)
-    render_files([spec], Path(sys.argv[1]), frozenset({"color", "motion", "jitter", "target"}), int(sys.argv[2]))
+    render_files([{SPEC}], Path(sys.argv[1]), {USUAL}, int(sys.argv[2]))
 """
 
 

@@ -8,8 +8,8 @@ from supersampling.errors import UserError
 # DLCTUS section 4.2.2 and figure 6. The text gives the positions (every high-resolution pixel's centre, none next to
 # its predecessor); the figure with the order is not readable, so this order is our own: no two consecutive positions
 # touch, not even at corners, across the pattern's repetition or across its tiling over the image.
-# Digits are the row and column of the 4x4 grid.
-_ORDER_4X4 = ("00", "22", "02", "20", "01", "23", "03", "21", "33", "11", "31", "13", "32", "10", "30", "12")
+# Cells of the 4x4 grid are numbered row by row.
+_ORDER_4X4 = (0, 10, 2, 8, 1, 11, 3, 9, 15, 5, 13, 7, 14, 4, 12, 6)
 
 # "The HR-pixels are iterated over in a hourglass pattern": top edge, diagonal, bottom edge, diagonal. (row, column)
 _HOURGLASS = ((0, 0), (0, 1), (1, 0), (1, 1))
@@ -33,7 +33,7 @@ def halton(length: int) -> NDArray[np.float32]:
 
 def thesis_4x4() -> NDArray[np.float32]:
     """Return the centres of the 16 high-resolution pixels: ``(16, 2)`` (DLCTUS 4.2.2)."""
-    cells = ((int(row), int(column)) for row, column in _ORDER_4X4)
+    cells = (divmod(cell, 4) for cell in _ORDER_4X4)
     return np.array([((j + 0.5) / 4 - 0.5, (i + 0.5) / 4 - 0.5) for i, j in cells], dtype=np.float32)
 
 
@@ -53,8 +53,8 @@ def thesis_2x2() -> NDArray[np.float32]:
 def jitter_sequence(pattern: str, scale: int) -> NDArray[np.float32]:
     """Return one period of the jitter pattern with this configured name.
 
-    ``thesis`` is the thesis's own pattern at scales 4 and 2 and 16 elements of Halton(2,3) at the others, ``haltonN`` the
-    first N elements of Halton(2,3), ``none`` no jitter.
+    ``thesis`` is the thesis's own pattern at scales 4 and 2 and 16 elements of Halton(2,3) at the others, ``haltonN``
+    the first N elements of Halton(2,3), ``none`` no jitter.
 
     Raises:
         UserError: The name is unknown.

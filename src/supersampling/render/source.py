@@ -15,9 +15,9 @@ from supersampling.render.check import check_spec
 class SplitOptions:
     """Options of one split.
 
-    ``targets`` is how many of a clip's last frames have a target (None for all), ``window`` the rendered ``[width, height]``
-    (None for whole frames), ``samples`` the side of the target's sample grid, and ``candidates`` the number of takes that
-    each clip is selected from.
+    ``targets`` is how many of a clip's last frames have a target (None for all), ``window`` the rendered ``[width,
+    height]`` (None for whole frames), ``samples`` the side of the target's sample grid, and ``candidates`` the number
+    of takes that each clip is selected from.
     """
 
     clips: int
@@ -102,8 +102,8 @@ class Rendered(Source):
 def _origins(scenes: Sequence[str], path: Path | None) -> dict[str, str]:
     """Return the origin of each scene by its name.
 
-    ``gltf`` becomes ``gltf/<stem of path>``, and its origin the fingerprint of all files that it reads; the origin of any
-    other scene is empty.
+    ``gltf`` becomes ``gltf/<stem of path>``, and its origin the fingerprint of all files that it reads; the origin of
+    any other scene is empty.
 
     Raises:
         UserError: There is no scene, or ``gltf`` without a path.

@@ -35,7 +35,7 @@ def _unit(quaternion: Vector) -> Vector:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class Keyframes:
     """``times (K,)`` rising, ``values (K, n)``, or ``(K, 3, n)`` with tangents for CUBICSPLINE.
 
     The animation that it is part of starts again every ``period`` seconds, its longest curve's last time.
@@ -102,7 +102,7 @@ def local_matrix(translation: Vector, rotation: Vector, scale: Vector) -> Vector
     return out
 
 
-def moving_matrix(rest: Mapping[str, Vector], curves: Mapping[str, Curve]) -> Callable[[float], Vector]:
+def moving_matrix(rest: Mapping[str, Vector], curves: Mapping[str, Keyframes]) -> Callable[[float], Vector]:
     """Seconds to the local matrix of a node: its resting parts, some of them replaced by curves."""
 
     def at(seconds: float) -> Vector:
@@ -112,9 +112,9 @@ def moving_matrix(rest: Mapping[str, Vector], curves: Mapping[str, Curve]) -> Ca
     return at
 
 
-def read_curves(document: Document, accessors: Accessors, notes: Notes) -> dict[int, dict[str, Curve]]:
+def read_keyframes(document: Document, accessors: Accessors, notes: Notes) -> dict[int, dict[str, Keyframes]]:
     """Curves by node and path. All animations play at once; where several move the same thing the first one does."""
-    found: dict[int, dict[str, Curve]] = {}
+    found: dict[int, dict[str, Keyframes]] = {}
     for number, animation in enumerate(document.gltf.animations):
         what = f"animation {number} of {document.name}"
         samplers = [(c, _sampler(animation, c.sampler, what)) for c in animation.channels]
@@ -146,7 +146,7 @@ def _times(accessors: Accessors, index: int, what: str) -> Vector:
     return times
 
 
-def _curve(accessors: Accessors, times: Vector, sampler: Any, path: str, period: float, what: str) -> Curve:
+def _curve(accessors: Accessors, times: Vector, sampler: Any, path: str, period: float, what: str) -> Keyframes:
     kind = sampler.interpolation or "LINEAR"
     if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
         raise UserError(f"The interpolation {kind!r} of {what} is unknown: use LINEAR, STEP or CUBICSPLINE.")
@@ -159,4 +159,4 @@ def _curve(accessors: Accessors, times: Vector, sampler: Any, path: str, period:
         )
     if kind == "CUBICSPLINE":
         values = values.reshape(len(times), 3, -1)
-    return Curve(times, values, kind, path == "rotation", period)
+    return Keyframes(times, values, kind, path == "rotation", period)

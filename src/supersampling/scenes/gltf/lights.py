@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.document import Document
-from supersampling.scenes.gltf.nodes import Matrix, Placed
+from supersampling.scenes.gltf.nodes import Matrix, SceneNode
 from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.scene import PointLight, Sky, Sun
 
@@ -30,7 +30,7 @@ _DIM = Sky((0.05, 0.07, 0.11), (0.1, 0.1, 0.12), (0.06, 0.055, 0.05))
 
 
 @dataclass(frozen=True, eq=False)
-class Lamp:
+class PunctualLight:
     """A light of the file in world space; ``power`` is colour times lux or candela, ``toward`` where it shines."""
 
     kind: str
@@ -41,7 +41,7 @@ class Lamp:
     cone: tuple[float, float] | None
 
 
-def read_lamps(document: Document, nodes: Sequence[Placed], notes: Notes) -> list[Lamp]:
+def read_lights(document: Document, nodes: Sequence[SceneNode], notes: Notes) -> list[PunctualLight]:
     """The lights of the scene's nodes, where they are at time 0."""
     lights = document.extensions.get(EXTENSION, {}).get("lights", [])
     lamps = []
@@ -61,7 +61,7 @@ def read_lamps(document: Document, nodes: Sequence[Placed], notes: Notes) -> lis
     return lamps
 
 
-def _lamp(light: dict[str, Any], index: int, world: Matrix, name: str) -> Lamp:
+def _lamp(light: dict[str, Any], index: int, world: Matrix, name: str) -> PunctualLight:
     kind = light.get("type")
     power = np.array([float(c) for c in light.get("color", (1.0, 1.0, 1.0))]) * float(light.get("intensity", 1.0))
     reach = None if light.get("range") is None else float(light["range"])
@@ -79,10 +79,12 @@ def _lamp(light: dict[str, Any], index: int, world: Matrix, name: str) -> Lamp:
     length = float(np.linalg.norm(toward))
     # A node of no size has no direction: glTF's own, -z, stands for it.
     toward = toward / length if length > 1e-12 else np.array((0.0, 0.0, -1.0))
-    return Lamp(kind, np.maximum(power, 0.0), world[:3, 3].copy(), toward, reach, cone)
+    return PunctualLight(kind, np.maximum(power, 0.0), world[:3, 3].copy(), toward, reach, cone)
 
 
-def lit(lamps: Sequence[Lamp], surface: Vector, notes: Notes) -> tuple[Sun | None, tuple[PointLight, ...], Sky]:
+def lit(
+    lamps: Sequence[PunctualLight], surface: Vector, notes: Notes
+) -> tuple[Sun | None, tuple[PointLight, ...], Sky]:
     """Sun, point lights and sky. ``surface (N, 3)`` are points of the scene.
 
     A directional light's brightness is its illuminance, another one's that of the nearest thirtieth of the surface.
@@ -102,14 +104,14 @@ def lit(lamps: Sequence[Lamp], surface: Vector, notes: Notes) -> tuple[Sun | Non
     return Sun(_triple(-suns[0].toward), _triple(unit * suns[0].power)), tuple(points), Sky()
 
 
-def _illuminance(lamp: Lamp, surface: Vector) -> float:
+def _illuminance(lamp: PunctualLight, surface: Vector) -> float:
     if lamp.kind == "directional":
         return _luminance(lamp.power)
     square = np.maximum(((surface - lamp.position) ** 2).sum(axis=1), 1e-6)  # a point on the lamp itself
     return _luminance(lamp.power) / float(np.quantile(square, _NEAREST))
 
 
-def _point(lamp: Lamp, unit: float, surface: Vector) -> PointLight:
+def _point(lamp: PunctualLight, unit: float, surface: Vector) -> PointLight:
     intensity = unit * lamp.power
     reach = np.sqrt(intensity.max() / (_FAINT * BRIGHTEST)) if lamp.reach is None else lamp.reach
     # Far beyond all that it lights, a light's end no longer shows; a shadow map would only lose precision.

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.accessors import Accessors
-from supersampling.scenes.gltf.animation import read_curves
+from supersampling.scenes.gltf.animation import read_keyframes
 from supersampling.scenes.gltf.document import MALFORMED, SUPPORTED, Document, malformed
-from supersampling.scenes.gltf.lights import Lamp, lit, read_lamps
-from supersampling.scenes.gltf.materials import Materials
-from supersampling.scenes.gltf.meshes import Meshes
-from supersampling.scenes.gltf.nodes import Matrix, Place, Placed, placed_nodes
+from supersampling.scenes.gltf.lights import PunctualLight, lit, read_lights
+from supersampling.scenes.gltf.materials import MaterialReader
+from supersampling.scenes.gltf.meshes import MeshReader
+from supersampling.scenes.gltf.nodes import Matrix, NodeTransform, SceneNode, scene_nodes
 from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.gltf.routes import camera_routes, is_place, laid_routes, planes
 from supersampling.scenes.gltf.survey import survey
@@ -50,9 +50,9 @@ def _load(path: Path) -> Scene:
     document = Document(path)
     notes = Notes(path.name)
     accessors = Accessors(document)
-    materials = Materials(document, notes)
-    meshes = Meshes(document, accessors, materials, notes)
-    nodes = placed_nodes(document, read_curves(document, accessors, notes))
+    materials = MaterialReader(document, notes)
+    meshes = MeshReader(document, accessors, materials, notes)
+    nodes = scene_nodes(document, read_keyframes(document, accessors, notes))
     placed = _drawn(document, accessors, meshes, nodes, notes)
     if not placed:
         raise UserError(f"{path.name} shows no triangles in its default scene: there is nothing to render.")
@@ -64,7 +64,7 @@ def _load(path: Path) -> Scene:
     root = np.diag([factor, factor, factor, 1.0])
     found = found.scaled(factor)
     routes = camera_routes(document, nodes, root, notes) + laid_routes(found, place)
-    lamps = [_scaled(lamp, factor) for lamp in read_lamps(document, nodes, notes)]
+    lamps = [_scaled(lamp, factor) for lamp in read_lights(document, nodes, notes)]
     sun, points, sky = lit(lamps, found.surface, notes)
     near, far = planes(found, routes)
     for extension in sorted(set(document.gltf.extensionsUsed or ()) - SUPPORTED):
@@ -86,8 +86,8 @@ def _load(path: Path) -> Scene:
 
 
 def _drawn(
-    document: Document, accessors: Accessors, meshes: Meshes, nodes: Sequence[Placed], notes: Notes
-) -> list[tuple[tuple[int, ...], Place]]:
+    document: Document, accessors: Accessors, meshes: MeshReader, nodes: Sequence[SceneNode], notes: Notes
+) -> list[tuple[tuple[int, ...], NodeTransform]]:
     """The meshes of each node that has some, and where they are."""
     rest = {placed.index: placed.rest for placed in nodes}
     drawn = []
@@ -99,7 +99,7 @@ def _drawn(
             notes.add("skinned meshes stay in their rest pose")
             numbers, place = (
                 meshes.skinned(node.mesh, _joints(document, accessors, node.skin, rest)),
-                Place((np.eye(4),)),
+                NodeTransform((np.eye(4),)),
             )
         elif not place.moves and np.linalg.det(place.at(0.0)[:3, :3]) == 0.0:
             notes.add("meshes of no size are left out")
@@ -122,7 +122,7 @@ def _joints(document: Document, accessors: Accessors, index: int, rest: dict[int
     return joints @ inverse[: len(joints)]
 
 
-def _scaled(lamp: Lamp, factor: float) -> Lamp:
+def _scaled(lamp: PunctualLight, factor: float) -> PunctualLight:
     """A lamp of a scaled world: candela grow with the area, so that everything is lit as before."""
     power = lamp.power if lamp.kind == "directional" else lamp.power * factor * factor
     reach = None if lamp.reach is None else lamp.reach * factor

@@ -19,7 +19,7 @@ _BRIGHTEST = 6e4  # radiance that a half float still holds
 _WHITE: Texture = np.full((1, 1, 3), 255, np.uint8)
 
 
-class Materials:
+class MaterialReader:
     """Makes each material once. ``made`` are the scene's materials.
 
     The scene's maps share one set of texture coordinates: that of the first of base colour, metallic-roughness, normal and

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.accessors import Accessors
 from supersampling.scenes.gltf.document import Document
-from supersampling.scenes.gltf.materials import Materials
+from supersampling.scenes.gltf.materials import MaterialReader
 from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.gltf.skins import deformed
 from supersampling.scenes.scene import Mesh
@@ -42,10 +42,10 @@ class _Vertices:
     triangles: Indices
 
 
-class Meshes:
+class MeshReader:
     """Reads each mesh once; ``made`` are the scene's meshes. Joints are given as the matrices of a skin's rest pose."""
 
-    def __init__(self, document: Document, accessors: Accessors, materials: Materials, notes: Notes) -> None:
+    def __init__(self, document: Document, accessors: Accessors, materials: MaterialReader, notes: Notes) -> None:
         self.made: list[Mesh] = []
         self.plain = cache(self._plain)
         self._document, self._accessors, self._materials, self._notes = document, accessors, materials, notes
@@ -82,7 +82,9 @@ class Meshes:
         vertices = self._vertices(primitive, mode, len(positions), what)
         if not len(vertices.triangles):
             return None
-        read = _Reader(self._accessors, attributes, vertices.rows, len(positions), f"{what} of {self._document.name}")
+        read = _AttributeReader(
+            self._accessors, attributes, vertices.rows, len(positions), f"{what} of {self._document.name}"
+        )
         positions = positions[vertices.rows]
         if not np.isfinite(positions).all():
             raise UserError(f"The positions of {what} of {self._document.name} are not all finite: export it again.")
@@ -114,7 +116,7 @@ class Meshes:
         return _Vertices(first + np.flatnonzero(used), triangulated(mode, renumbered[corners - first]))
 
 
-class _Reader:
+class _AttributeReader:
     """A primitive's attributes, at the vertices that it uses."""
 
     def __init__(

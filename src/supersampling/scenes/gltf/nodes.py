@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.errors import UserError
-from supersampling.scenes.gltf.animation import Curve, Vector, local_matrix, moving_matrix
+from supersampling.scenes.gltf.animation import Keyframes, Vector, local_matrix, moving_matrix
 from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.scene import Array, Transform
 
@@ -19,7 +19,7 @@ _IDENTITY = np.eye(4)
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class NodeTransform:
     """A product of matrices, constant ones and functions of time, from the world inwards."""
 
     links: tuple[Link, ...] = ()
@@ -28,15 +28,15 @@ class Place:
     def moves(self) -> bool:
         return any(callable(link) for link in self.links)
 
-    def then(self, link: Link) -> "Place":
+    def then(self, link: Link) -> "NodeTransform":
         """A child's place; constant matrices that follow each other become one."""
         if not self.links or callable(link) or callable(self.links[-1]):
-            return Place((*self.links, link))
-        return Place((*self.links[:-1], self.links[-1] @ link))
+            return NodeTransform((*self.links, link))
+        return NodeTransform((*self.links[:-1], self.links[-1] @ link))
 
-    def under(self, root: Matrix) -> "Place":
+    def under(self, root: Matrix) -> "NodeTransform":
         """The same place in a world that ``root`` brings into another one."""
-        out = Place((root,))
+        out = NodeTransform((root,))
         for link in self.links:
             out = out.then(link)
         return out
@@ -56,22 +56,22 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class SceneNode:
     """A node of the scene: pygltflib's object, where it is, and where it is at rest in its hierarchy."""
 
     index: int
     node: Any
-    place: Place
+    place: NodeTransform
     rest: Matrix
 
 
-def placed_nodes(document: Document, curves: Mapping[int, Mapping[str, Curve]]) -> list[Placed]:
+def scene_nodes(document: Document, curves: Mapping[int, Mapping[str, Keyframes]]) -> list[SceneNode]:
     """Every node below the default scene's, parents before children.
 
     Without a default the first scene is taken, without scenes all nodes that are no one's children.
     """
     count = len(document.gltf.nodes)
-    waiting = [(index, Place(), _IDENTITY) for index in reversed(_roots(document))]
+    waiting = [(index, NodeTransform(), _IDENTITY) for index in reversed(_roots(document))]
     seen: set[int] = set()
     found = []
     while waiting:
@@ -85,7 +85,7 @@ def placed_nodes(document: Document, curves: Mapping[int, Mapping[str, Curve]]) 
         seen.add(index)
         local, moving = _local(document, index, curves.get(index, {}))
         place, rest = place.then(local if moving is None else moving), rest @ local
-        found.append(Placed(index, node, place, rest))
+        found.append(SceneNode(index, node, place, rest))
         waiting += [(child, place, rest) for child in reversed(node.children or [])]
     if not document.gltf.scenes and len(seen) < count:
         raise UserError(f"The nodes of {document.name} form a cycle: glTF's nodes must be trees, export it again.")
@@ -101,7 +101,7 @@ def _roots(document: Document) -> list[int]:
 
 
 def _local(
-    document: Document, index: int, curves: Mapping[str, Curve]
+    document: Document, index: int, curves: Mapping[str, Keyframes]
 ) -> tuple[Matrix, Callable[[float], Matrix] | None]:
     """A node's resting matrix, and its matrix over time where it moves."""
     node = document.gltf.nodes[index]

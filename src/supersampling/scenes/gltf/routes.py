@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.scenes.gltf.document import Document
-from supersampling.scenes.gltf.nodes import Matrix, Place, Placed
+from supersampling.scenes.gltf.nodes import Matrix, NodeTransform, SceneNode
 from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.gltf.survey import Survey
 from supersampling.scenes.gltf.walks import BEHIND, walks
@@ -19,7 +19,7 @@ _OUTSIDE = 6  # of them around a place, where there is room enough for the other
 _GOLDEN = np.pi * (3.0 - 5.0**0.5)  # radians between successive routes, so that no two look from the same side
 
 
-def camera_routes(document: Document, nodes: Sequence[Placed], root: Matrix, notes: Notes) -> list[Route]:
+def camera_routes(document: Document, nodes: Sequence[SceneNode], root: Matrix, notes: Notes) -> list[Route]:
     """One route a perspective camera of the scene's nodes, moving where its node moves."""
     routes = []
     for placed in nodes:
@@ -39,7 +39,7 @@ def camera_routes(document: Document, nodes: Sequence[Placed], root: Matrix, not
     return routes
 
 
-def _recorded(place: Place) -> Transform:
+def _recorded(place: NodeTransform) -> Transform:
     """Camera-to-world matrices without the scale of the nodes above, which a camera does not have."""
     if place.moves:
         return lambda seconds: _rigid(place.at(seconds))
@@ -57,7 +57,7 @@ def _rigid(matrix: Matrix) -> Array:
     return out.astype(np.float32)
 
 
-def _trace(place: Place) -> Array:
+def _trace(place: NodeTransform) -> Array:
     """Where the camera is in its first minute, ``(N, 3)``."""
     moments = np.linspace(0.0, 60.0, 241) if place.moves else (0.0, 0.0)
     return np.stack([place.at(t)[:3, 3] for t in moments]).astype(np.float32)

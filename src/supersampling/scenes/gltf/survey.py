@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from supersampling.scenes.gltf.nodes import Matrix, Place
+from supersampling.scenes.gltf.nodes import Matrix, NodeTransform
 from supersampling.scenes.scene import Mesh
 
 Points = NDArray[np.float64]
@@ -90,7 +90,7 @@ def _tile(directions: Points) -> NDArray[np.int64]:
     return ((2 * axis + (along > 0.0)) * _TILES + u) * _TILES + v
 
 
-def survey(meshes: Sequence[Mesh], placed: Sequence[tuple[tuple[int, ...], Place]]) -> Survey:
+def survey(meshes: Sequence[Mesh], placed: Sequence[tuple[tuple[int, ...], NodeTransform]]) -> Survey:
     """Of meshes at their places; at least one triangle is needed."""
     boxes = [np.stack([m.positions.min(axis=0), m.positions.max(axis=0)]).astype(np.float64) for m in meshes]
     picks = [_picked(mesh) for mesh in meshes]

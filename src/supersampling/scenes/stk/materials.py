@@ -78,7 +78,7 @@ class MaterialTable:
         return self._tables[folder]
 
 
-class Materials:
+class TrackMaterials:
     """Makes each material once. ``made`` are the materials, ``files`` the images that they use. A missing image is left out."""
 
     def __init__(self, assets: Assets, by_day: bool) -> None:

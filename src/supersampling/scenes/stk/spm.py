@@ -21,7 +21,7 @@ _WHITE = 128
 
 
 @dataclass(frozen=True, eq=False)
-class Buffer:
+class MeshBuffer:
     """Vertices and triangles of one material, in the file's own left-handed space and winding.
 
     ``positions, normals (N, 3)``, ``colors (N, 3)`` uint8 or ``None`` for white, ``uv (N, 2)`` or ``None``, ``triangles (M, 3)``.
@@ -36,7 +36,7 @@ class Buffer:
     textures: tuple[str, str]
 
 
-class _Reader:
+class _ByteReader:
     def __init__(self, data: bytes) -> None:
         self.data = data
         self.at = 0
@@ -57,13 +57,13 @@ class _Reader:
         return values
 
 
-def read_spm(path: Path) -> list[Buffer]:
+def read_spm(path: Path) -> list[MeshBuffer]:
     """The buffers of a mesh file.
 
     Raises:
         UserError: not an ``.spm`` file of version 1, or cut short.
     """
-    reader = _Reader(path.read_bytes())
+    reader = _ByteReader(path.read_bytes())
     try:
         return _read(reader)
     except (struct.error, ValueError, IndexError) as error:
@@ -72,7 +72,7 @@ def read_spm(path: Path) -> list[Buffer]:
         ) from error
 
 
-def _read(reader: _Reader) -> list[Buffer]:
+def _read(reader: _ByteReader) -> list[MeshBuffer]:
     if reader.data[:2] != b"SP":
         raise ValueError("it does not begin with SP")
     reader.at = 2
@@ -90,8 +90,8 @@ def _read(reader: _Reader) -> list[Buffer]:
 
 
 def _buffer(
-    reader: _Reader, vertices: int, indices: int, textures: tuple[str, str], flags: int, skinned: bool
-) -> Buffer:
+    reader: _ByteReader, vertices: int, indices: int, textures: tuple[str, str], flags: int, skinned: bool
+) -> MeshBuffer:
     head = [("position", "<3f4")] + ([("normal", "<u4")] if flags & _NORMALS else [])
     tail = []
     if textures[0]:
@@ -104,11 +104,11 @@ def _buffer(
     positions = np.ascontiguousarray(front["position"], dtype=np.float32)
     normals = _unpacked(front["normal"]) if flags & _NORMALS else _face_normals(positions, triangles)
     uv = np.ascontiguousarray(back["uv"], dtype=np.float32) if textures[0] else None
-    return Buffer(positions, normals, colors, uv, triangles, textures)
+    return MeshBuffer(positions, normals, colors, uv, triangles, textures)
 
 
 def _vertices(
-    reader: _Reader, count: int, head: np.dtype, tail: np.dtype, coloured: bool
+    reader: _ByteReader, count: int, head: np.dtype, tail: np.dtype, coloured: bool
 ) -> tuple[NDArray, NDArray, NDArray[np.uint8] | None]:
     """The fields before a vertex's colour, those after it, and the colours ``(count, 3)``."""
     data = np.frombuffer(reader.data, np.uint8, offset=reader.at)

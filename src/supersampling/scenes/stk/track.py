@@ -13,12 +13,12 @@ from supersampling.scenes.scene import Mesh, Object, Route, Scene
 from supersampling.scenes.stk.attribution import attribution
 from supersampling.scenes.stk.data import Assets, data_folder, track_folder
 from supersampling.scenes.stk.images import linear
-from supersampling.scenes.stk.materials import Materials
+from supersampling.scenes.stk.materials import TrackMaterials
 from supersampling.scenes.stk.nodes import SceneReader, parse
 from supersampling.scenes.stk.placement import world_transform
 from supersampling.scenes.stk.routes import read_routes
 from supersampling.scenes.stk.sky import exposure_for, nearby_lamps, read_sky, read_sun, sky_files
-from supersampling.scenes.stk.spm import Buffer, read_spm
+from supersampling.scenes.stk.spm import MeshBuffer, read_spm
 
 _FLIP = np.array([1.0, 1.0, -1.0], np.float32)
 _NEAR = 0.2
@@ -37,7 +37,7 @@ def load_track(name: str, root: Path | None = None) -> Scene:
     head = parse(folder / "track.xml") if (folder / "track.xml").is_file() else None
     reader = SceneReader(assets)
     reader.read(source)
-    geometry = _Geometry(Materials(assets, by_day=head is None or head.get("is-during-day", "Y") == "Y"))
+    geometry = _Geometry(TrackMaterials(assets, by_day=head is None or head.get("is-during-day", "Y") == "Y"))
     objects = []
     for model in reader.models:
         meshes = geometry.meshes_of(model.path)
@@ -77,7 +77,7 @@ def _far(routes: list[Route], meshes: list[Mesh], objects: list[Object]) -> floa
 class _Geometry:
     """Reads each mesh file once; a model placed many times shares its meshes."""
 
-    def __init__(self, materials: Materials) -> None:
+    def __init__(self, materials: TrackMaterials) -> None:
         self.meshes: list[Mesh] = []
         self.materials = materials
         self._files: dict[Path, tuple[int, ...]] = {}
@@ -90,7 +90,7 @@ class _Geometry:
             self._files[path] = tuple(range(first, len(self.meshes)))
         return self._files[path]
 
-    def _add(self, buffer: Buffer, folder: Path) -> None:
+    def _add(self, buffer: MeshBuffer, folder: Path) -> None:
         material = self.materials.number(buffer.textures, folder)
         if material is None or not len(buffer.triangles):
             return
