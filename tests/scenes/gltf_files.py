@@ -17,7 +17,8 @@ from supersampling.scenes.gltf import load_gltf
 
 TYPES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
 KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
-# A square of side 2 in the plane z = 0 that faces +z, counter-clockwise from the bottom left, and its texture coordinates.
+# A square of side 2 in the plane z = 0 that faces +z, counter-clockwise from the bottom left, and its texture
+# coordinates.
 SQUARE = ((-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0))
 SQUARE_UV = ((0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0))
 SQUARE_INDICES = (0, 1, 2, 0, 2, 3)

@@ -32,7 +32,7 @@ def material_of(file: Builder, path: Path, **material: object) -> Material:
 
 
 def emission_of(made: Material) -> np.ndarray:
-    """What the scene's convention makes of a material: emission * glow, or else * albedo texture * blue of the surface map."""
+    """Return a material's emission: emission * glow, or without glow emission * albedo * blue of the surface map."""
     if made.glow is not None:
         return np.array(made.emission) * linear(made.glow)
     albedo = np.ones((1, 1, 3)) if made.albedo is None else linear(made.albedo[..., :3])

@@ -30,22 +30,22 @@ def stepped(seconds: float) -> float:
 
 @pytest.mark.parametrize(("interpolation", "truth"), [("bezier", bernstein), ("linear", straight), ("const", stepped)])
 def test_interpolations_agree_with_scipy(interpolation: str, truth: Callable[[float], float]) -> None:
-    one = curve(interpolation)
+    sampled = curve(interpolation)
     for seconds in np.linspace(0.0, 2.99, 41):
-        assert one.value(float(seconds)) == pytest.approx(truth(float(seconds)), abs=1e-9)
+        assert sampled.value(float(seconds)) == pytest.approx(truth(float(seconds)), abs=1e-9)
 
 
 def test_a_constant_extension_holds_the_ends() -> None:
-    one = curve()
-    assert one.value(-5.0) == pytest.approx(2.0)
-    assert one.value(100.0) == pytest.approx(-4.0)
+    sampled = curve()
+    assert sampled.value(-5.0) == pytest.approx(2.0)
+    assert sampled.value(100.0) == pytest.approx(-4.0)
 
 
 def test_a_cyclic_extension_repeats_every_three_seconds() -> None:
-    one = curve(extend="cyclic")
+    sampled = curve(extend="cyclic")
     for seconds in (0.2, 1.4, 2.9):
-        assert one.value(seconds + 3.0) == pytest.approx(bernstein(seconds), abs=1e-9)
-        assert one.value(seconds + 300.0) == pytest.approx(bernstein(seconds), abs=1e-6)
+        assert sampled.value(seconds + 3.0) == pytest.approx(bernstein(seconds), abs=1e-9)
+        assert sampled.value(seconds + 300.0) == pytest.approx(bernstein(seconds), abs=1e-6)
 
 
 def test_a_lone_key_and_keys_at_one_instant_are_constants() -> None:
