@@ -1,7 +1,7 @@
-"""Measure built-in scenes and write what was measured into their manifests.
+"""Measurement of built-in scenes for their manifests.
 
 python scripts/measure_scenes.py                  every built-in scene
-python scripts/measure_scenes.py atrium bar       these
+python scripts/measure_scenes.py atrium bar       only these
 python scripts/measure_scenes.py --costs atrium   seconds and bytes of each buffer, as a table; writes no manifest
 """
 
@@ -21,10 +21,10 @@ from supersampling.scenes.manifest import MEASURES, contradictions, parse, with_
 
 
 def update(name: str) -> None:
-    """Measure one scene, write its manifest, and print its numbers and what in its words they do not bear out."""
+    """Measure a scene, write its manifest, and print its numbers and the statements that they contradict."""
     path = Path(scenes.__file__).with_name(f"{name}.yaml")
     if not path.exists():
-        raise UserError(f"Scene {name!r} has no {path.name} beside its code: write one first.")
+        raise UserError(f"Scene {name} has no {path.name} beside its code: write one first.")
     parse(path.read_text(encoding="utf-8"), name)
     began = time.perf_counter()
     measured = measure(load_scene(name))
@@ -39,13 +39,13 @@ def update(name: str) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    reader = argparse.ArgumentParser(description="Measure built-in scenes.")
-    reader.add_argument("scenes", nargs="*", metavar="SCENE", help="built-in scenes, all of them by default")
-    reader.add_argument("--costs", action="store_true", help="time and size of each buffer instead")
-    chosen = reader.parse_args(arguments)
+    parser = argparse.ArgumentParser(description="Measure built-in scenes.")
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="built-in scenes, all of them by default")
+    parser.add_argument("--costs", action="store_true", help="time and size of each buffer instead")
+    options = parser.parse_args(arguments)
     try:
-        for name in chosen.scenes or list(BUILT_IN):
-            if chosen.costs:
+        for name in options.scenes or list(BUILT_IN):
+            if options.costs:
                 print(f"{name}\n\n{table(costs(load_scene(name)))}\n")
             else:
                 update(name)

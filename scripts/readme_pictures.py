@@ -1,6 +1,8 @@
-"""Make the README's pictures: a contact sheet of the scenes, and the crops of the newest finished runs of one data set.
+"""Pictures of the README: a contact sheet of the scenes, and crops of the newest finished runs of one data set.
 
-python scripts/readme_pictures.py [scenes] [crops]      writes docs/images/scenes.jpg, docs/images/crops.png; both by default
+python scripts/readme_pictures.py [scenes] [crops]
+
+writes docs/images/scenes.jpg and docs/images/crops.png, both by default.
 """
 
 import sys
@@ -17,17 +19,27 @@ from supersampling.scenes.load import load_scene
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
-STILLS = (  # scene, route, seed
-    ("airstrip", 5, 0), ("arena", 7, 0), ("atrium", 2, 0), ("bar", 8, 1),
-    ("foundry", 0, 4), ("louvres", 7, 0), ("market", 0, 0), ("sundial", 0, 1),
-    ("turntable", 6, 0), ("stk/black_forest", 1, 1), ("stk/ravenbridge_mansion", 0, 0), ("stk/zengarden", 0, 0),
-)  # fmt: skip
+# Scene, route, seed.
+STILLS = (
+    ("airstrip", 5, 0),
+    ("arena", 7, 0),
+    ("atrium", 2, 0),
+    ("bar", 8, 1),
+    ("foundry", 0, 4),
+    ("louvres", 7, 0),
+    ("market", 0, 0),
+    ("sundial", 0, 1),
+    ("turntable", 6, 0),
+    ("stk/black_forest", 1, 1),
+    ("stk/ravenbridge_mansion", 0, 0),
+    ("stk/zengarden", 0, 0),
+)
 COLUMNS = 4
 METHODS = ("bicubic", "jau", "tus", "dlctus")
 
 
 def still(name: str, route: int, seed: int) -> Image.Image:
-    """A 400x225 picture from a scene's route, with its name."""
+    """Return a 400x225 picture from a scene's route, labelled with the scene's name."""
     scene = load_scene(name)
     path = camera_path(scene.routes[route], np.random.default_rng(seed), 8)
     window = Window(400, 225, 0, 0, 400, 225)
@@ -40,16 +52,16 @@ def still(name: str, route: int, seed: int) -> Image.Image:
 
 
 def contact_sheet() -> Image.Image:
-    stills = [np.asarray(still(*each)) for each in STILLS]
+    stills = [np.asarray(still(*arguments)) for arguments in STILLS]
     rows = [np.concatenate(stills[k : k + COLUMNS], axis=1) for k in range(0, len(stills), COLUMNS)]
     return Image.fromarray(np.concatenate(rows))
 
 
 def crops() -> Image.Image:
-    """A row a scene: input, each method's output, target, with names above."""
+    """Return one row per scene: input, each method's output and target, with names above."""
     mlflow.set_tracking_uri(f"sqlite:///{ROOT}/mlflow.db")
-    done = "tags.`ss.kind` = 'job' and attributes.status = 'FINISHED'"
-    runs = mlflow.search_runs(experiment_names=["supersampling"], filter_string=done)
+    finished = "tags.`ss.kind` = 'job' and attributes.status = 'FINISHED'"
+    runs = mlflow.search_runs(experiment_names=["supersampling"], filter_string=finished)
     runs = runs[runs["tags.ss.dataset"] == runs["tags.ss.dataset"].iloc[0]]
     folders = {}
     for method in METHODS:
@@ -72,10 +84,10 @@ def crops() -> Image.Image:
 
 def main() -> None:
     IMAGES.mkdir(parents=True, exist_ok=True)
-    asked = sys.argv[1:] or ["scenes", "crops"]
-    if "scenes" in asked:
+    parts = sys.argv[1:] or ["scenes", "crops"]
+    if "scenes" in parts:
         contact_sheet().save(IMAGES / "scenes.jpg", quality=85)
-    if "crops" in asked:
+    if "crops" in parts:
         crops().save(IMAGES / "crops.png", optimize=True)
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from supersampling.render.camera import Shot, Window
-from supersampling.render.paths import camera_path, routes_of
+from supersampling.render.paths import camera_path, split_routes
 from supersampling.render.renderer import Renderer
 from supersampling.scenes.load import installed_scenes, load_scene
 
@@ -33,7 +33,7 @@ def measure(name: str) -> None:
     start = time.perf_counter()
     scene = load_scene(name)
     loaded = time.perf_counter() - start
-    path = camera_path(routes_of(scene, "train")[0], np.random.default_rng(0), FRAMES + 1)
+    path = camera_path(split_routes(scene, "train")[0], np.random.default_rng(0), FRAMES + 1)
 
     def shot(k: int, window: Window) -> Shot:
         return Shot(path.cameras[k], path.cameras[k - 1], path.seconds[k], path.seconds[k - 1], window)

@@ -71,7 +71,7 @@ def test_a_broken_file(content, part, own, tmp_path):
         ("task.jitter=hilbert", "hilbert"),
         ("data.test.window=[4,4]", "4"),
         ("data.camera=run", "run"),
-        ("buffers=[colour]", "There is no buffer colour"),
+        ("buffers=[colour]", "Unknown buffer colour"),
         ("scene=gltf", "path=FILE"),
         ("import=qrisp", "import_capture.py layout=qrisp"),
         ("export=nsrd", "export_capture.py layout=nsrd"),

@@ -1,6 +1,6 @@
-"""Small scenes, and the float64 pinhole camera that tells where everything in them must appear.
+"""Small scenes, and a float64 pinhole camera that predicts where everything in them appears.
 
-Nothing here uses the renderer's matrices: a camera is an eye and three axes, an image point a ray.
+Nothing here uses the renderer's matrices: a camera is an eye and three axes, an image point is a ray.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,7 +18,7 @@ UNIT_UV = ((0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0))  # of corners counter
 
 
 def turn(yaw: float, pitch: float = 0.0, roll: float = 0.0) -> Points:
-    """World-to-camera rotation: roll @ pitch @ yaw about camera z, x and y."""
+    """Return the world-to-camera rotation: roll @ pitch @ yaw about camera z, x and y."""
     cy, sy, cp, sp, cr, sr = (f(a) for a in (yaw, pitch, roll) for f in (np.cos, np.sin))
     about_y = np.array([[cy, 0, -sy], [0, 1, 0], [sy, 0, cy]])
     about_x = np.array([[1, 0, 0], [0, cp, sp], [0, -sp, cp]])
@@ -42,13 +42,13 @@ def still(view: Camera, window: Window, seconds: float = 0.0) -> Shot:
 
 
 def pixel_points(window: Window, scale: int, jitter: tuple[float, float]) -> Points:
-    """``(h, w, 2)`` frame pixel positions (x right, y down) of a low-resolution render's samples."""
+    """Return frame pixel positions ``(h, w, 2)`` (x right, y down) of a low-resolution render's samples."""
     y, x = np.mgrid[0 : window.height // scale, 0 : window.width // scale] + 0.5
     return np.stack([window.x + (x + jitter[0]) * scale, window.y + (y + jitter[1]) * scale], axis=-1)
 
 
 def rays(view: Camera, window: Window, points: Points) -> Points:
-    """World rays of unit view depth through frame pixel positions."""
+    """Return world rays of unit view depth through frame pixel positions."""
     reach = np.tan(view.fov / 2.0)
     x = (2.0 * points[..., 0] / window.frame_width - 1.0) * reach * window.frame_width / window.frame_height
     y = (1.0 - 2.0 * points[..., 1] / window.frame_height) * reach
@@ -60,7 +60,7 @@ def eye(view: Camera) -> Points:
 
 
 def project(view: Camera, window: Window, world: Points) -> Points:
-    """Frame pixel positions of world points."""
+    """Return frame pixel positions of world points."""
     seen = (world - eye(view)) @ view.view[:3, :3].T
     focal = window.frame_height / 2.0 / np.tan(view.fov / 2.0)
     return np.stack(
@@ -73,12 +73,12 @@ def project(view: Camera, window: Window, world: Points) -> Points:
 
 
 def hit(origin: Points, direction: Points, point: Points, normal: Points) -> Points:
-    """Ray parameter (= view depth for `rays`) where rays meet a plane."""
+    """Return the ray parameter (view depth for `rays`) at which rays meet a plane."""
     return ((point - origin) @ normal) / (direction @ normal)
 
 
 def quad(corners: Sequence[Sequence[float]], material: int = 0, uv: Sequence[Sequence[float]] = UNIT_UV) -> Mesh:
-    """Four corners, counter-clockwise as seen from the front."""
+    """Return a mesh of four corners, counter-clockwise as seen from the front."""
     p = np.asarray(corners, np.float64)
     normal = np.cross(p[1] - p[0], p[2] - p[0])
     normal /= np.linalg.norm(normal)
@@ -92,21 +92,20 @@ def quad(corners: Sequence[Sequence[float]], material: int = 0, uv: Sequence[Seq
 
 
 def wall(x0: float, x1: float, y0: float, y1: float, z: float, material: int = 0) -> Mesh:
-    """Faces +z; the whole texture once, upright."""
+    """Return a wall that faces +z and shows the whole texture once, upright."""
     return quad(((x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)), material)
 
 
 def floor(half: float, height: float = 0.0, material: int = 0) -> Mesh:
-    """Faces +y."""
+    """Return a floor that faces +y."""
     h = half
     return quad(((-h, height, h), (h, height, h), (h, height, -h), (-h, height, -h)), material)
 
 
 def glow(level: float, **more: object) -> Material:
-    """Black but for emission: its displayed colour depends on nothing else."""
-    values: dict[str, object] = {
-        "base_color": (0.0, 0.0, 0.0), "emission": (level, level, level), "double_sided": True,
-    }  # fmt: skip
+    """Return a black, emissive material, whose displayed colour depends on the emission only."""
+    black, emission = (0.0, 0.0, 0.0), (level, level, level)
+    values: dict[str, object] = {"base_color": black, "emission": emission, "double_sided": True}
     return Material("glow", **(values | more))  # type: ignore[arg-type]
 
 
@@ -123,9 +122,9 @@ def scene(
     sun: Sun | None = None,
     **more: object,
 ) -> Scene:
-    """One object a mesh, standing still where no transform is given; black sky and no sun unless asked."""
-    places = [*transforms, *[np.eye(4, dtype=np.float32)] * (len(meshes) - len(transforms))]
-    objects = [Object((i,), place) for i, place in enumerate(places)]
+    """Return a scene of one object per mesh, static by default, with a black sky and no sun by default."""
+    poses = [*transforms, *[np.eye(4, dtype=np.float32)] * (len(meshes) - len(transforms))]
+    objects = [Object((i,), pose) for i, pose in enumerate(poses)]
     values: dict[str, object] = {"sky": DARK, "near": 0.5, "far": 50.0}
     return Scene("analytic", materials, meshes, objects, (), sun=sun, **(values | more))  # type: ignore[arg-type]
 
@@ -137,12 +136,12 @@ MATTE = Material("matte", roughness=1.0, double_sided=True)
 
 
 def bright(world: Scene, view: Camera, seconds: float = 0.0, shadow_size: int = 1024) -> np.ndarray:
-    with Renderer(world, shadow_size) as draw:
-        return draw.low(still(view, FRAME, seconds), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"][..., 1]
+    with Renderer(world, shadow_size) as renderer:
+        return renderer.low(still(view, FRAME, seconds), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"][..., 1]
 
 
 def floor_points(view: Camera) -> np.ndarray:
-    """World points of the floor y = 0 under the pixels, NaN where none."""
+    """Return world points of the floor y = 0 at the pixels, NaN above the horizon."""
     ray = rays(view, FRAME, pixel_points(FRAME, 1, (0.0, 0.0)))
     t = hit(eye(view), ray, np.zeros(3), UP)
     return np.where((t > 0)[..., None], eye(view) + t[..., None] * ray, np.nan)

@@ -1,4 +1,4 @@
-"""Routes to try cameras on, and what is measured of their paths."""
+"""Test routes for cameras, and measures of camera paths."""
 
 from itertools import groupby, pairwise
 
@@ -13,8 +13,8 @@ ROUTE = Route("line", np.array(BENT, dtype=np.float32))
 
 
 def route(name: str, points: list, focus: list | None = None, fov: float = 1.05) -> Route:
-    looked_at = None if focus is None else np.array(focus, dtype=np.float32)
-    return Route(name, np.array(points, dtype=np.float32), looked_at, fov=fov)
+    target = None if focus is None else np.array(focus, dtype=np.float32)
+    return Route(name, np.array(points, dtype=np.float32), target, fov=fov)
 
 
 ROUTES = (
@@ -38,24 +38,24 @@ def eyes(p: CameraPath) -> np.ndarray:
 
 
 def spins(p: CameraPath) -> np.ndarray:
-    """Angular velocity ``(T - 1, 3)`` in degrees a second, from the skew part of the rotation from frame to frame."""
+    """Return angular velocities ``(T - 1, 3)`` in degrees per second, from the skew part of rotations."""
     turns = [b.view[:3, :3] @ a.view[:3, :3].T for a, b in pairwise(p.cameras)]
     skew = [(r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]) for r in turns]
     return np.degrees(np.array(skew) / 2).reshape(-1, 3) * 60
 
 
 def speeds(p: CameraPath) -> np.ndarray:
-    """Degrees a second ``(T - 1,)``."""
+    """Return angular speeds ``(T - 1,)`` in degrees per second."""
     return np.linalg.norm(spins(p), axis=1)
 
 
 def stands(p: CameraPath) -> list[bool]:
-    """Whether each frame but the first has exactly the view of the one before it."""
+    """Return for each frame except the first whether its view equals the previous one."""
     return [bool((a.view == b.view).all()) for a, b in pairwise(p.cameras)]
 
 
 def stop_lengths(p: CameraPath) -> list[int]:
-    """Frames that each stop stands, leaving one out that the clip's end cuts short."""
+    """Return the frames of each stop, without a stop that the end of the clip cuts short."""
     runs = [(same, len(list(run))) for same, run in groupby(stands(p))]
     whole = runs[:-1] if runs[-1][0] else runs
     return [n + 1 for same, n in whole if same]

@@ -1,4 +1,4 @@
-"""What the tests of measures share: shots of a whole 1080p frame, and textures."""
+"""Helpers of the tests of measures: shots of a whole 1080p frame, and textures."""
 
 import numpy as np
 
@@ -11,10 +11,10 @@ MATTE = Material("matte", base_color=(0.5, 0.5, 0.5), roughness=1.0)
 
 
 def noise(seed: int) -> np.ndarray:
-    """A soft texture: 64 x 64 random colours, four texels apart, linear in between."""
+    """Return a soft texture: 64 x 64 random colours, four texels apart, interpolated linearly."""
     coarse = np.random.default_rng(seed).uniform(30, 240, (64, 64, 3))
-    place = np.arange(256) / 4
-    low, part = place.astype(int), (place % 1)[:, None, None]
+    position = np.arange(256) / 4
+    low, part = position.astype(int), (position % 1)[:, None, None]
     rows = coarse[low] * (1 - part) + coarse[(low + 1) % 64] * part
     part = part.reshape(1, -1, 1)
     return np.round(rows[:, low] * (1 - part) + rows[:, (low + 1) % 64] * part).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Whole data set files from a small scene: interrupted or not, they come out the same; what they hold is consistent."""
+"""Data set files of a small scene: interruptions do not change them, and their contents are consistent."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def slide(seconds: float) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def wall() -> Scene:
-    """A smooth pattern on a wall, with a panel that slides in front of it; lit by the ambient light alone."""
+    """Return a wall with a smooth pattern and a panel sliding in front of it, lit by ambient light only."""
     t = np.arange(128) / 128 * 2 * np.pi
     u, v = np.meshgrid(t, t)
     image = np.stack([127 + 60 * np.sin(2 * u + k) + 60 * np.cos(3 * v - k) for k in range(3)], axis=-1)
@@ -62,8 +62,9 @@ def wall() -> Scene:
     ]
     meshes = [quad(30, 20, -6, 6, 0), quad(1.5, 1.5, -3, 1, 1)]
     objects = [Object((0,), np.eye(4, dtype=np.float32)), Object((1,), slide)]
-    routes = [Route(str(k), np.array([(-1, k * 0.1, 0), (1, k * 0.1, 0)], np.float32),
-                    np.array([(0, 0, -6), (0.5, 0, -6)], np.float32)) for k in range(6)]  # fmt: skip
+    focus = np.array([(0, 0, -6), (0.5, 0, -6)], np.float32)
+    lines = [np.array([(-1, k * 0.1, 0), (1, k * 0.1, 0)], np.float32) for k in range(6)]
+    routes = [Route(str(k), line, focus) for k, line in enumerate(lines)]
     return Scene("wall", materials, meshes, objects, routes, sun=None, sky=Sky(), attribution="none needed")
 
 
@@ -95,18 +96,18 @@ def store(wall, tmp_path_factory) -> DatasetFile:
     return DatasetFile(render_file(SPEC, tmp_path_factory.mktemp("data"), wall))
 
 
-def test_a_file_says_what_is_needed_to_trust_it(store):
-    held = store.attributes
-    assert held["attribution"] == "none needed"
+def test_attributes_of_file(store):
+    attributes = store.attributes
+    assert attributes["attribution"] == "none needed"
     for key in ("spec", "conventions", "renderer", "software", "tonemap", "jitter_sequence"):
-        assert held[key]
-    assert float(held["low_mip_bias"]) == -2.0
+        assert attributes[key]
+    assert float(attributes["low_mip_bias"]) == -2.0
     jitters = {tuple(j) for j in store.read("jitter", 0, slice(None)).tolist()}
     assert jitters <= {tuple(j) for j in thesis_4x4().tolist()}
 
 
 def warped(previous: torch.Tensor, motion: torch.Tensor) -> torch.Tensor:
-    """An independent warp: sample the previous image at uv + motion, all in double precision."""
+    """Warp independently of the package: sample the previous image at uv + motion, in double precision."""
     height, width = previous.shape[-2:]
     motion = F.interpolate(motion.double(), size=(height, width), mode="bilinear", align_corners=False)
     y, x = torch.meshgrid(torch.arange(height) + 0.5, torch.arange(width) + 0.5, indexing="ij")
@@ -114,8 +115,8 @@ def warped(previous: torch.Tensor, motion: torch.Tensor) -> torch.Tensor:
     return F.grid_sample(previous.double(), 2 * uv - 1, align_corners=False, padding_mode="border")
 
 
-def test_motion_brings_the_previous_target_here(store):
-    """Warping frame t - 1 onto t cuts the error of static and of moving pixels, tested apart by their depth."""
+def test_warping_previous_target_by_motion(store):
+    """Warping frame t - 1 onto t reduces the error of static and of moving pixels, separated by depth."""
     errors = {"static": [0.0, 0.0], "moving": [0.0, 0.0]}
     for clip in range(store.clips):
         target, motion, depth = (
@@ -139,26 +140,26 @@ def test_motion_brings_the_previous_target_here(store):
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "part"),
     [
         ({"scale": 7}, "task.scale=7"),
         ({"split": "dev"}, "dev"),
         ({"clips": 0}, "clips=0"),
         ({"targets": 5}, "targets=5"),
-        ({"window": (8, 64)}, "width of 8"),
-        ({"window": (64, 200)}, "height of 200"),
+        ({"window": (8, 64)}, "width 8"),
+        ({"window": (64, 200)}, "height 200"),
         ({"jitter": "zigzag"}, "zigzag"),
         ({"mip_bias": "none"}, "none"),
     ],
 )
-def test_what_cannot_be_rendered_says_so(change, sentence):
+def test_error_of_invalid_specification(change, part):
     from dataclasses import replace
 
-    with pytest.raises(UserError, match=sentence):
+    with pytest.raises(UserError, match=part):
         check_spec(replace(SPEC, **change))
 
 
-def test_an_unknown_scene_says_so(tmp_path):
+def test_error_of_unknown_scene(tmp_path):
     from dataclasses import replace
 
     with pytest.raises(UserError, match="atrum"):

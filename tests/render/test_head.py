@@ -37,7 +37,7 @@ def test_eyes_swing_about_the_neck():
 
 
 def test_minimum_jerk_is_flash_and_hogan_s():
-    """At rest and without acceleration at both ends, a top speed of 15/8 in the middle, a constant sixth derivative of zero."""
+    """No speed or acceleration at both ends, a top speed of 15/8 in the middle, and a sixth derivative of zero."""
     t = np.linspace(-0.5, 1.5, 4001)
     s = minimum_jerk(t)
     v, a = np.gradient(s, t), np.gradient(np.gradient(s, t), t)

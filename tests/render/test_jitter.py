@@ -59,7 +59,7 @@ def test_mip_biases_are_equation_47():
 
 
 @pytest.mark.parametrize("name", ["hilbert", "halton", "haltonx", "halton0"])
-def test_unknown_patterns_say_so(name):
+def test_error_of_unknown_pattern(name):
     with pytest.raises(UserError, match=name):
         jitter_sequence(name, 4)
     with pytest.raises(UserError, match="soft"):

@@ -8,7 +8,7 @@ from measured_scenes import FOCAL, moment, noise
 from supersampling.render.camera import Window
 from supersampling.render.measure.motion import agreement, disocclusion, edges, near_agreement, reprojection
 from supersampling.render.measure.probe import Probe, around
-from supersampling.render.measure.scene import _judged
+from supersampling.render.measure.scene import agreements
 from supersampling.scenes.scene import Material, Scene
 
 
@@ -29,12 +29,12 @@ def test_previous_places_are_those_of_the_pinhole_camera():
     depth_front = hit(eye(now), ray, np.array((0, 0, -4.0)), np.array((0, 0, 1.0)))
     place = eye(now) + depth_front[..., None] * ray
     front = (np.abs(place[..., 0] - 1.0) < 1.0) & (np.abs(place[..., 1]) < 1.0)
-    points = np.where(front[..., None], place - (0.5, 0, 0), eye(now) + depth_back[..., None] * ray)
+    world_points = np.where(front[..., None], place - (0.5, 0, 0), eye(now) + depth_back[..., None] * ray)
     with Probe(world) as probe:
-        found = probe.previous(shot, (96, 64), 1.0 / np.where(front, depth_front, depth_back), np.where(front, 2, 1))
-    np.testing.assert_allclose(found.uv * (96, 64), project(before, window, points), atol=1e-6)
-    then = -((points - eye(before)) @ before.view[:3, :3].T)[..., 2]
-    np.testing.assert_allclose(found.inverse, 1.0 / then, rtol=1e-9)
+        points = probe.previous(shot, (96, 64), 1.0 / np.where(front, depth_front, depth_back), np.where(front, 2, 1))
+    np.testing.assert_allclose(points.uv * (96, 64), project(before, window, world_points), atol=1e-6)
+    then = -((world_points - eye(before)) @ before.view[:3, :3].T)[..., 2]
+    np.testing.assert_allclose(points.inverse, 1.0 / then, rtol=1e-9)
 
 
 def test_edges_are_jumps_and_creases_not_slopes():
@@ -74,14 +74,14 @@ def test_disocclusion_is_the_band_behind_a_sliding_square():
     step = 0.4 * FOCAL / 4.0 / 4.0  # low-resolution pixels
     height = 2.0 * FOCAL / 4.0 / 4.0
     with Probe(world) as probe:
-        found = disocclusion(probe, moment(camera(), seconds=1 / 60))
-    for band in (found.hidden, found.other):
+        measured = disocclusion(probe, moment(camera(), seconds=1 / 60))
+    for band in (measured.hidden, measured.by_object):
         assert band.sum() == pytest.approx(step * height, rel=0.03)
         columns = np.nonzero(band.any(axis=0))[0]
         left = 240.0 - 1.0 * FOCAL / 16.0
         assert columns.min() == pytest.approx(left, abs=1.0)
         assert columns.max() == pytest.approx(left + step, abs=1.0)
-    for name, (right, marked, hit_, true) in _judged(found).items():
+    for name, (right, marked, hit_, true) in agreements(measured).items():
         share = 0.999 if name.endswith("near") else 0.95
         assert right / marked >= share, name
         assert hit_ / true >= share, name

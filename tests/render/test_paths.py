@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from camera_measures import ROUTE, STYLES, eyes, path
 
-from supersampling.render.paths import rolled, routes_of
+from supersampling.render.paths import rolled, split_routes
 from supersampling.scenes.scene import Route, Scene, look_at
 
 
@@ -62,6 +62,6 @@ def test_the_clock_runs_at_sixty_frames_a_second(style):
 def test_the_splits_share_no_route_and_have_all_of_them(count):
     routes = [Route(str(k), ROUTE.points) for k in range(count)]
     scene = Scene("s", (), (), (), routes)
-    names = [{r.name for r in routes_of(scene, split)} for split in ("train", "val", "test")]
+    names = [{r.name for r in split_routes(scene, split)} for split in ("train", "val", "test")]
     assert all(names)
     assert sum(map(len, names)) == len(set.union(*names)) == count

@@ -1,4 +1,4 @@
-"""Several processes render the same files as one, whatever becomes of them; and only what is asked for is rendered."""
+"""Several processes render the same files as one, even if killed, and only requested buffers are rendered."""
 
 import os
 import signal
@@ -33,14 +33,13 @@ SPEC = CaptureSpec(
     seed=0,
     candidates=1,
 )
-COMMAND = """
+COMMAND = f"""
 import sys
 from pathlib import Path
 from supersampling.data.spec import CaptureSpec
 from supersampling.render.pool import render_files
 if __name__ == "__main__":
-    spec = CaptureSpec("foundry", "train", 4, 3, 2, (192, 108), (48, 48), 4, "thesis", "matched", 2, 0, 1)
-    render_files([spec], Path(sys.argv[1]), frozenset({"color", "motion", "jitter", "target"}), int(sys.argv[2]))
+    render_files([{SPEC}], Path(sys.argv[1]), {USUAL}, int(sys.argv[2]))
 """
 
 
@@ -81,44 +80,44 @@ def test_a_killed_command_leaves_its_finished_clips_and_the_file_comes_out_the_s
         time.sleep(0.01)
     os.kill(process.pid, signal.SIGKILL)  # its rendering processes find out and end
     process.wait()
-    kept = {p.name: p.read_bytes() for p in folder.glob("*.clips/*.h5")}
-    assert kept or list(folder.glob("*.h5"))
+    finished = {p.name: p.read_bytes() for p in folder.glob("*.clips/*.h5")}
+    assert finished or list(folder.glob("*.h5"))
     done = subprocess.run(run, cwd=ROOT, capture_output=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert [p.read_bytes() for p in folder.glob("*.h5")] == [alone.read_bytes()]
 
 
-def test_a_worker_s_error_reaches_the_user_in_one_sentence(tmp_path):
+def test_error_of_worker_reaches_user_in_one_sentence(tmp_path):
     from dataclasses import replace
 
     with pytest.raises(UserError, match="Unknown scene atrum"):
         render_files([replace(SPEC, scene="atrum")], tmp_path, USUAL, workers=2)
 
 
-def test_only_the_buffers_asked_for_are_rendered_and_stored(tmp_path, monkeypatch):
-    asked: list[frozenset[str]] = []
+def test_only_requested_buffers_are_rendered_and_stored(tmp_path, monkeypatch):
+    requested: list[frozenset[str]] = []
     low, high = Renderer.low, Renderer.high
 
     def spy_low(self, shot, scale, jitter, mip_bias, buffers):
-        asked.append(buffers)
+        requested.append(buffers)
         return low(self, shot, scale, jitter, mip_bias, buffers)
 
     def spy_high(self, shot, samples, mip_bias, buffers):
-        asked.append(buffers)
+        requested.append(buffers)
         return high(self, shot, samples, mip_bias, buffers)
 
     monkeypatch.setattr(Renderer, "low", spy_low)
     monkeypatch.setattr(Renderer, "high", spy_high)
     path = render_files([SPEC], tmp_path, frozenset({"color", "target"}))[0]
     assert DatasetFile(path).buffers == {"color", "target"}
-    assert set(asked) == {frozenset({"color"}), frozenset({"target"})}
+    assert set(requested) == {frozenset({"color"}), frozenset({"target"})}
     before = DatasetFile(path)
     first = {name: before.read(name, 0, slice(1, None)) for name in ("color", "target")}
     prints = before.fingerprint(["color", "target"])
     before.close()
-    asked.clear()
+    requested.clear()
     path = render_files([SPEC], tmp_path, frozenset({"color", "material", "target"}))[0]
-    assert set(asked) == {frozenset({"material"})}  # what is there is not rendered again
+    assert set(requested) == {frozenset({"material"})}  # what is there is not rendered again
     after = DatasetFile(path)
     assert after.buffers == {"color", "material", "target"}
     assert after.fingerprint(["color", "target"]) == prints

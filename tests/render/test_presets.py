@@ -1,4 +1,4 @@
-"""The data presets say what the papers say: their numbers, typed a second time."""
+"""Data presets against the numbers in the papers, typed a second time."""
 
 from pathlib import Path
 
@@ -33,26 +33,26 @@ def source(entry: str, *overrides: str) -> Rendered:
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
         cfg = compose(entry, ["scene=atrium", *overrides])
-    made = instantiate(cfg.data)
-    assert isinstance(made, Rendered)
-    return made
+    rendered = instantiate(cfg.data)
+    assert isinstance(rendered, Rendered)
+    return rendered
 
 
 @pytest.mark.parametrize("entry", ["train", "render", "evaluate"])
 @pytest.mark.parametrize("name", RENDERED)
 def test_every_preset_can_be_rendered(name, entry):
-    made = source(entry, f"data={name}")
+    rendered = source(entry, f"data={name}")
     for split in ("train", "val", "test"):
-        for spec in made.specs(split):
+        for spec in rendered.specs(split):
             check_spec(spec)
             camera_style(spec.camera)
 
 
 @pytest.mark.parametrize("name", PAPERS)
-def test_a_paper_s_preset_has_the_paper_s_numbers(name):
+def test_presets_have_numbers_of_papers(name):
     clips, frames, size, camera, jitter, coverage = PAPERS[name]
-    made = source("train", f"data={name}")
-    specs = [made.specs(split)[0] for split in ("train", "val", "test")]
+    rendered = source("train", f"data={name}")
+    specs = [rendered.specs(split)[0] for split in ("train", "val", "test")]
     assert tuple(s.clips for s in specs) == clips
     assert tuple(s.frames for s in specs) == frames
     for spec in specs:
@@ -61,10 +61,10 @@ def test_a_paper_s_preset_has_the_paper_s_numbers(name):
         assert (spec.camera, spec.jitter, spec.scale) == (camera, jitter, 4)
         assert mip_bias(spec.mip_bias, spec.scale) == -2  # -log2(4)
         assert (spec.samples - 1) ** 2 < coverage <= spec.samples**2
-        assert spec.candidates == 1  # a camera's path is taken as it comes
+        assert spec.candidates == 1  # no selection of camera paths
 
 
-def test_qrisp_s_jitter_repeats_after_sixteen_frames():
+def test_qrisp_jitter_repeats_after_sixteen_frames():
     assert len(jitter_sequence(source("train", "data=qrisp").specs("test")[0].jitter, 4)) == 16
 
 
@@ -76,20 +76,20 @@ def test_270p_360p_and_540p_are_scales_4_3_and_2_to_1080p(name, scale, low):
     assert (spec.target_size[0] // spec.scale, spec.target_size[1] // spec.scale) == low
 
 
-def test_qrisp_s_mip_biases_are_those_of_its_file_names():
+def test_qrisp_mip_biases_match_its_file_names():
     """Annex A, table 4: -1 at 540p, -1.58 at 360p, -2 at 270p."""
     for scale, bias in ((2, -1.0), (3, -1.58), (4, -2.0)):
         spec = source("train", "data=qrisp", f"task.scale={scale}").specs("train")[0]
         assert mip_bias(spec.mip_bias, spec.scale) == pytest.approx(bias, abs=0.006)
 
 
-def test_the_command_line_has_the_last_word_over_a_preset():
-    made = source("train", "data=nsrd", "task.jitter=halton8", "data.camera=mixed", "data.train.clips=45")
-    spec = made.specs("train")[0]
+def test_command_line_overrides_preset():
+    rendered = source("train", "data=nsrd", "task.jitter=halton8", "data.camera=mixed", "data.train.clips=45")
+    spec = rendered.specs("train")[0]
     assert (spec.jitter, spec.camera, spec.clips) == ("halton8", "mixed", 45)
     assert source("train", "data=qrisp", "task=default").specs("train")[0].jitter == "thesis"
 
 
-def test_other_cameras_make_other_files():
+def test_camera_changes_file_name():
     names = {source("train", "data=smoke", f"data.camera={c}").specs("val")[0].file_name for c in ("walk", "head")}
     assert len(names) == 2

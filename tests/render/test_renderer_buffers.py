@@ -20,7 +20,7 @@ WHITE = Sky((1.0, 1.0, 1.0), (1.0, 1.0, 1.0), (1.0, 1.0, 1.0), 1.0)
 
 
 def reflectance_in_all(n_dot_v: float, roughness: float, base: float, metallic: float) -> float:
-    """NSRD's reflectance integrated over the hemisphere in float64: midpoints of half vectors' GGX quantiles and azimuth."""
+    """Integrate NSRD's reflectance over the hemisphere in float64, at midpoints of GGX quantiles and azimuths."""
     alpha = roughness**2
     k, f0 = (alpha + 1) ** 2 / 8, 0.04 * (1 - metallic) + base * metallic
     u, phi = np.meshgrid((np.arange(2000) + 0.5) / 2000, (np.arange(720) + 0.5) / 720 * 2 * np.pi)
@@ -149,7 +149,7 @@ def test_high_resolution_materials_are_means_of_the_samples(painted):
 
 
 def test_an_element_of_the_interface_shows_over_what_it_leaves_alone():
-    """It covers wall and sky, has no depth, motion or id of its own, takes no light, and stays behind what is in front."""
+    """It covers wall and sky, has no depth, motion or id, receives no light, and stays behind nearer surfaces."""
     board = glow(0.25, interface=True)
     paint = Material("paint", base_color=(0.8, 0.8, 0.8), double_sided=True)
     post = glow(4.0)
@@ -216,7 +216,7 @@ def test_a_spot_shines_within_its_cone():
 @pytest.mark.parametrize("jitter", [(0.0, 0.0), (0.3, -0.4)])
 @pytest.mark.parametrize("step", [(5, 0), (-3, 4)])
 def test_dual_motion_marks_exactly_the_band_behind_a_sliding_square(step, jitter):
-    """NSRD, supplement, section 2: a square of 30 pixels slides over a plane, in whole pixels, its edges between pixels."""
+    """NSRD supplement, section 2: a square of 30 pixels slides over a plane by whole pixels, its edges between pixels."""
     pixel = 2 * 3.0 * np.tan(0.5) / 96  # metres a pixel at the square's distance
     square = wall(-15 * pixel, 15 * pixel, -15 * pixel, 15 * pixel, -3.0, 1)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from built_scenes import built
 
-from supersampling.render.paths import routes_of
+from supersampling.render.paths import split_routes
 from supersampling.scenes.market.textures import fan_cobbles
 from supersampling.scenes.scene import Scene
 
@@ -44,7 +44,7 @@ def test_print_is_near_every_route(scene: Scene, split: str) -> None:
     """At least 4 square metres of print are within 6 m of the middle of each route."""
     corners = _triangles(scene, _PRINT)
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    for route in routes_of(scene, split):
+    for route in split_routes(scene, split):
         eye = np.asarray(route.points, np.float64).mean(axis=0)
         near = np.linalg.norm(corners.mean(axis=1) - eye, axis=1) < 6.0
         assert area[near].sum() > 4.0, route.name

@@ -5,7 +5,7 @@ import pytest
 from built_scenes import built
 
 from supersampling.render.camera import Camera, Shot, Window
-from supersampling.render.paths import camera_path, routes_of
+from supersampling.render.paths import camera_path, split_routes
 from supersampling.render.renderer import Renderer
 from supersampling.scenes.scene import Route, Scene, look_at
 from supersampling.scenes.sundial.sundial import APOTHEM, CHAMBER, HALF, RELIEF
@@ -63,7 +63,7 @@ def test_rooms_are_convex_except_for_mouldings(scene: Scene) -> None:
 def test_pixels_change_where_motion_vectors_say_static(scene: Scene, split: str) -> None:
     window = Window(160, 96, 0, 0, 160, 96)
     with Renderer(scene) as renderer:
-        for route in routes_of(scene, split)[:2]:
+        for route in split_routes(scene, split)[:2]:
             camera = Camera(_view(route, 0.4))
             frames = []
             for seconds in (8.0, 8.25):
@@ -76,7 +76,7 @@ def test_pixels_change_where_motion_vectors_say_static(scene: Scene, split: str)
 
 def test_each_split_has_both_rooms(scene: Scene) -> None:
     for split in SPLITS:
-        x = [camera_path(r, np.random.default_rng(0), 2).cameras[0] for r in routes_of(scene, split)]
+        x = [camera_path(r, np.random.default_rng(0), 2).cameras[0] for r in split_routes(scene, split)]
         rooms = {bool(np.linalg.inv(c.view)[0, 3] < -HALF[0]) for c in x}
         assert rooms == {True, False}
 

@@ -1,6 +1,6 @@
 """Cameras, and the window of a larger frame that a shot renders."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """Perspective pinhole camera. ``view`` is world-to-camera (4, 4), looking down -z, y up; ``fov`` is vertical, radians."""
+    """Perspective camera: ``view (4, 4)`` is world-to-camera, along -z with y up; ``fov`` is vertical, in radians."""
 
     view: Matrix
     fov: float = 1.05
@@ -18,10 +18,10 @@ class Camera:
 
 @dataclass(frozen=True)
 class Window:
-    """The part of a ``frame_width x frame_height`` frame that is rendered; all in target (high-resolution) pixels.
+    """Rendered part of a ``frame_width x frame_height`` frame; all values are in target (high-resolution) pixels.
 
-    ``x, y`` is its top-left corner. A whole frame is the window ``(0, 0, frame_width, frame_height)``. The vertical field of
-    view spans the whole frame, so a window shows what that part of the whole frame would.
+    ``x, y`` is its top-left corner. A whole frame is the window ``(0, 0, frame_width, frame_height)``. The vertical
+    field of view spans the whole frame, so a window shows the same as that part of a whole frame.
     """
 
     frame_width: int
@@ -31,10 +31,18 @@ class Window:
     width: int
     height: int
 
+    def grown(self, margin: int) -> "Window":
+        """Return the window that is ``margin`` pixels larger on each side."""
+        width, height = self.width + 2 * margin, self.height + 2 * margin
+        return replace(self, x=self.x - margin, y=self.y - margin, width=width, height=height)
+
 
 @dataclass(frozen=True, eq=False)
 class Shot:
-    """One instant to render, with the previous one that motion vectors refer to (itself on a clip's first frame)."""
+    """One instant to render and the previous instant that motion vectors refer to.
+
+    On a clip's first frame both are the same instant.
+    """
 
     camera: Camera
     previous_camera: Camera

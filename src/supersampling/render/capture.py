@@ -1,5 +1,8 @@
-"""Renders the clips of data set files: only the buffers that are asked for, resumable, and the same to the byte however often
-it was interrupted and by however many processes it was done."""
+"""Rendering of the clips of data set files.
+
+Only the requested buffers are rendered, and rendering can be resumed. The file is byte-identical regardless of
+interruptions and of the number of processes.
+"""
 
 import json
 from collections.abc import Callable
@@ -17,17 +20,22 @@ from supersampling.render.check import check_buffers, check_spec
 from supersampling.render.jitter import jitter_sequence, mip_bias, target_mip_bias
 from supersampling.render.paths import FRAMES_PER_SECOND
 from supersampling.render.renderer import TONEMAP, Renderer
-from supersampling.render.selection import Take, choose
+from supersampling.render.selection import Take, select_take
 from supersampling.scenes.load import load_scene
 from supersampling.scenes.scene import Scene
 
-Step = Callable[[], object]
+FrameCallback = Callable[[], object]
 
 
 def render_clip(
-    renderer: Renderer, spec: CaptureSpec, take: Take, writer: ClipWriter, names: frozenset[str], step: Step
+    renderer: Renderer,
+    spec: CaptureSpec,
+    take: Take,
+    writer: ClipWriter,
+    names: frozenset[str],
+    on_frame: FrameCallback,
 ) -> None:
-    """Render the buffers ``names`` of one clip into ``writer``; ``step()`` is called after each frame."""
+    """Render the buffers ``names`` of one clip into ``writer``; ``on_frame()`` is called after each frame."""
     sequence = jitter_sequence(spec.jitter, spec.scale)
     bias, target_bias = mip_bias(spec.mip_bias, spec.scale), target_mip_bias(spec.mip_bias)
     low = frozenset(n for n in names if BUFFERS[n].resolution == "low")
@@ -44,17 +52,17 @@ def render_clip(
         if high and t >= spec.frames - spec.targets:
             for name, image in renderer.high(shot, spec.samples, target_bias, high).items():
                 writer.add(name, image)
-        step()
+        on_frame()
 
 
 class Studio:
-    """Renders clips of any specification; the last scene and its OpenGL context are kept. A context manager.
+    """Cache of the last scene and its renderer, for clips of any specification. A context manager.
 
-    ``scene`` stands for all that specifications name; ``path`` is the file of a glTF scene.
+    ``scene`` replaces every scene that specifications name; ``path`` is the file of a glTF scene.
     """
 
     def __init__(self, scene: Scene | None = None, path: Path | None = None) -> None:
-        self._given, self._path = scene, path
+        self._replacement, self._path = scene, path
         self._name = ""
         self.scene: Scene | None = scene
         self._renderer: Renderer | None = None
@@ -62,7 +70,7 @@ class Studio:
     def open(self, name: str) -> tuple[Scene, Renderer]:
         if self.scene is None or self._renderer is None or name != self._name:
             self.close()
-            self.scene = self._given or load_scene(name, self._path)
+            self.scene = self._replacement or load_scene(name, self._path)
             self._renderer, self._name = Renderer(self.scene), name
         return self.scene, self._renderer
 
@@ -79,10 +87,12 @@ class Studio:
 
 
 class DataFile:
-    """One data set file to be rendered: ``names`` of ``spec`` under ``folder``. Several processes may work on it at once.
+    """One data set file to render: the buffers ``names`` of ``spec`` in ``folder``.
+
+    Several processes may work on it at once.
 
     Raises:
-        UserError: a wrong specification or a buffer that cannot be rendered.
+        UserError: The specification is invalid or a buffer cannot be rendered.
     """
 
     def __init__(self, spec: CaptureSpec, folder: Path, names: frozenset[str]) -> None:
@@ -92,28 +102,28 @@ class DataFile:
         self._file = ClipwiseFile(spec, folder, names)
         self.path, self.missing, self.waiting = self._file.path, self._file.missing, self._file.waiting
 
-    def work(self, studio: Studio, step: Step) -> None:
-        """Render every clip that is missing and that no other process is at, then join them if all are there."""
+    def work(self, studio: Studio, on_frame: FrameCallback) -> None:
+        """Render every missing clip that no other process is rendering, then join the clips if none is missing."""
 
         def write(clip: int, writer: ClipWriter, names: frozenset[str]) -> None:
             scene, renderer = studio.open(self.spec.scene)
             self._check_renderer(renderer.gl_renderer)
-            render_clip(renderer, self.spec, choose(renderer, self.spec, clip), writer, names, step)
+            render_clip(renderer, self.spec, select_take(renderer, self.spec, clip), writer, names, on_frame)
             writer.note(renderer=renderer.gl_renderer, attribution=scene.attribution)
             writer.note(near=repr(scene.near), far=repr(scene.far))
 
         self._file.work(write, _attributes(self.spec))
 
     def _check_renderer(self, name: str) -> None:
-        """Refuse to go on with another OpenGL renderer: they differ in low bits."""
+        """Raise `UserError` if the file was begun with another OpenGL renderer: renderers differ in low bits."""
         for path in (self.path, *sorted(self._file.parts.glob("*.h5"))[:1]):
             if not path.exists():
                 continue
             with h5py.File(path, "r") as file:
-                began = str(file.attrs["renderer"])
-            if began != name:
+                stored = str(file.attrs["renderer"])
+            if stored != name:
                 raise UserError(
-                    f"{path} was made with the renderer {began!r}, this one is {name!r}: remove it to start again."
+                    f"{path} was rendered with {stored}, but this is {name}: remove the file to start again."
                 )
 
 

@@ -1,4 +1,4 @@
-"""What every pass that knows a surface reads: the sky, and the table of the BRDF's integral."""
+"""Inputs of every full-screen pass over surfaces: the sky, and the table of the BRDF's integral."""
 
 import moderngl
 import numpy as np
@@ -7,7 +7,7 @@ from supersampling.data.brdf_table import brdf_table
 from supersampling.render.programs import assign
 from supersampling.scenes.scene import Sky
 
-_UNIT = 9  # texture units up to 8 are the G-buffer's and the shadow maps'
+_UNIT = 9  # the G-buffer and the shadow maps use the texture units up to 8
 
 
 class Environment:

@@ -1,4 +1,4 @@
-"""A scene's materials on the GPU: their factors in one uniform buffer, their maps as textures of their own size."""
+"""Materials of a scene on the GPU: all factors in one uniform buffer, each map as a texture of its size."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ _WHITE: Texture = np.full((1, 1, 4), 255, np.uint8)
 
 
 class GpuMaterials:
-    """``albedo`` is a texture a material, white where it has none."""
+    """Uploaded materials; ``albedo`` has one texture per material, white if the material has no albedo map."""
 
     def __init__(self, ctx: moderngl.Context, materials: Sequence[Material]) -> None:
         self._ctx = ctx
@@ -27,18 +27,18 @@ class GpuMaterials:
         self._glow = self._upload([m.glow for m in materials], srgb=True)
 
     def bind(self, material: int) -> None:
-        """The factors of one material, as uniform block 0."""
+        """Bind the factors of one material to uniform block 0."""
         self._buffer.bind_to_uniform_block(0, offset=material * _UNIFORM_ALIGNMENT, size=_BLOCK_BYTES)
 
     def maps(self, material: int) -> tuple[moderngl.Texture | None, ...]:
-        """One material's albedo, normal, surface and glow map."""
+        """Return the albedo, normal, surface and glow map of one material."""
         return tuple(maps[material] for maps in (self.albedo, self._normal, self._surface, self._glow))
 
     def _upload(self, images: Sequence[Texture | None], srgb: bool) -> list[moderngl.Texture | None]:
         return [None if image is None else self._texture(image, srgb) for image in images]
 
     def _texture(self, image: Texture, srgb: bool) -> moderngl.Texture:
-        """Mipmapped and repeating; materials that share an array, which the scene keeps alive, share its texture."""
+        """Return a mipmapped, repeating texture, shared by materials that share an array (kept alive by the scene)."""
         key = (id(image), srgb)
         if key not in self._textures:
             height, width = image.shape[:2]

@@ -1,7 +1,7 @@
-"""A scene's geometry on the GPU, cut into chunks small enough to cull, beside its materials.
+"""Geometry of a scene on the GPU, cut into chunks small enough to cull, and its materials.
 
-A DRAW is a chunk of a mesh under an object's transform. Draws are sorted by GROUP: those of one material and winding,
-which one indirect call renders, since textures are bound per material.
+A DRAW is a chunk of a mesh under an object's transform. Draws are sorted by GROUP: draws of the same material and
+winding, which one indirect call renders, since textures are bound per material.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ OBJECT_LAYOUT = ("1f/i", "in_object")
 
 
 @dataclass(frozen=True)
-class Group:
+class DrawGroup:
     """Draws of one material and winding."""
 
     material: int
@@ -31,7 +31,7 @@ class Group:
 
 
 def split(mesh: Mesh) -> list[NDArray[np.uint32]]:
-    """A mesh's triangles in spatial chunks of at most `CHUNK_TRIANGLES`, by halving along the longest axis."""
+    """Return a mesh's triangles in spatial chunks of at most `CHUNK_TRIANGLES`, by halving along the longest axis."""
     centres = mesh.positions[mesh.triangles].mean(axis=1)
     waiting, done = [np.arange(len(mesh.triangles))], []
     while waiting:
@@ -46,7 +46,9 @@ def split(mesh: Mesh) -> list[NDArray[np.uint32]]:
 
 
 def tangents(mesh: Mesh) -> NDArray[np.float32]:
-    """Per-vertex ``(N, 4)``: direction of increasing u, and the sign that makes ``sign * cross(n, t)`` the map's up.
+    """Return vertex tangents ``(N, 4)``: the direction of increasing u and the sign of the bitangent.
+
+    ``sign * cross(normal, tangent)`` is the up direction of the normal map.
 
     v runs down the image and the map's y runs up, so the bitangent is the direction of decreasing v.
     """
@@ -55,42 +57,44 @@ def tangents(mesh: Mesh) -> NDArray[np.float32]:
     e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     d1, d2 = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     det = d1[:, 0] * d2[:, 1] - d2[:, 0] * d1[:, 1]
-    sign = np.sign(det)[:, None]  # the area weight is kept, the division left out: only directions are wanted
+    # Not divided by the determinant, which keeps the area weight: only directions are needed.
+    sign = np.sign(det)[:, None]
     along_u = sign * (e1 * d2[:, 1:] - e2 * d1[:, 1:])
     up = -sign * (e2 * d1[:, :1] - e1 * d2[:, :1])
     total_u, total_up = (_at_vertices(tri, values, len(mesh.positions)) for values in (along_u, up))
     handed = np.where((np.cross(mesh.normals, total_u) * total_up).sum(axis=1) < 0.0, -1.0, 1.0)
     length = np.linalg.norm(total_u, axis=1, keepdims=True)
-    unit = total_u / np.maximum(length, 1e-20)  # no uv, or mirrored halves that cancel: zero, no normal mapping there
+    # Zero, and so no normal mapping, without uv or where mirrored halves cancel.
+    unit = total_u / np.maximum(length, 1e-20)
     return np.concatenate([unit, handed[:, None]], axis=1).astype(np.float32)
 
 
 def _at_vertices(triangles: NDArray[np.uint32], values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """``(count, 3)``: at each vertex the sum of its triangles' ``values (M, 3)``."""
+    """Return ``(count, 3)``: for each vertex the sum of its triangles' ``values (M, 3)``."""
     corners = triangles.T.ravel().astype(np.intp)
     # np.add.at gives the same sums, several times slower.
     return np.stack([np.bincount(corners, np.tile(v, 3), count) for v in values.T], axis=1)
 
 
 def in_world(item: Object, seconds: float, view: Matrix) -> Matrix:
-    """``(4, 4)`` object-to-world matrix, float64, at an instant of a camera whose ``view`` is world-to-camera."""
-    own = np.asarray(item.at(seconds), np.float64)
+    """Return the float64 object-to-world matrix ``(4, 4)`` at an instant; the camera's ``view`` is world-to-camera."""
+    matrix = np.asarray(item.at(seconds), np.float64)
     if item.frame == "world":
-        return own
+        return matrix
     to_world = np.linalg.inv(view)
     if item.frame == "camera":
-        return to_world @ own
-    own = own.copy()
-    own[:3, :3] = to_world[:3, :3] @ own[:3, :3]
-    return own
+        return to_world @ matrix
+    matrix = matrix.copy()
+    matrix[:3, :3] = to_world[:3, :3] @ matrix[:3, :3]
+    return matrix
 
 
 class GpuScene:
     """Buffers of a scene and its table of draws.
 
-    ``commands (D, 5)`` are GL's indirect draw records, ``group_of (D,)`` indexes ``groups`` (those of the interface come last),
-    ``moving (D,)`` and ``casts (D,)`` say which belong to moving objects and which cast shadows. `place` sets the transforms
-    of one instant.
+    ``commands (D, 5)`` are OpenGL's indirect draw records, ``draw_groups (D,)`` indexes ``groups`` (groups of the
+    interface come last), ``moving (D,)`` and ``casts (D,)`` tell which draws belong to moving objects and which cast
+    shadows. `place` sets the transforms of one instant.
     """
 
     def __init__(self, ctx: moderngl.Context, scene: Scene) -> None:
@@ -107,7 +111,7 @@ class GpuScene:
         self.bounds = self._static_bounds()
 
     def _upload_meshes(self) -> list[list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]]]:
-        """Chunks ``(first index, index count, lo, hi)`` of each mesh."""
+        """Upload all meshes and return the chunks ``(first index, index count, lo, hi)`` of each."""
         record = [("p", "3f4"), ("n", "3f4"), ("uv", "2f4"), ("t", "4f4"), ("c", "4u1")]
         vertices: list[NDArray[np.void]] = []
         indices: list[NDArray[np.uint32]] = []
@@ -148,43 +152,43 @@ class GpuScene:
                 rows += [(key, first, count, i, lo, hi) for first, count, lo, hi in chunks[m]]
         rows.sort(key=lambda row: row[0])
         keys = sorted({row[0] for row in rows})
-        self.groups = [Group(material, mirrored) for _, material, mirrored in keys]
+        self.groups = [DrawGroup(material, mirrored) for _, material, mirrored in keys]
         index = {key: n for n, key in enumerate(keys)}
-        self.group_of = np.array([index[row[0]] for row in rows], dtype=np.int64)
-        self.object_of = np.array([row[3] for row in rows], dtype=np.int64)
+        self.draw_groups = np.array([index[row[0]] for row in rows], dtype=np.int64)
+        self.draw_objects = np.array([row[3] for row in rows], dtype=np.int64)
         # Records of glMultiDrawElementsIndirect; the base instance picks the object's transforms.
         self.commands = np.array([(row[2], 1, row[1], 0, row[3]) for row in rows], dtype=np.uint32).reshape(-1, 5)
         self._lo = np.array([row[4] for row in rows], dtype=np.float64).reshape(-1, 3)
         self._hi = np.array([row[5] for row in rows], dtype=np.float64).reshape(-1, 3)
-        self.moving = np.isin(self.object_of, self.movers)
+        self.moving = np.isin(self.draw_objects, self.movers)
         self.casts = np.array([not row[0][0] for row in rows], dtype=bool)
-        self.boxes: Boxes = transformed(self._lo, self._hi, self.models[self.object_of])
+        self.boxes: Boxes = transformed(self._lo, self._hi, self.models[self.draw_objects])
 
     def _static_bounds(self) -> Boxes:
-        """``(1, 3)`` box of all static geometry; of all geometry where nothing stands still."""
-        chosen = self.casts & ~self.moving if (self.casts & ~self.moving).any() else self.casts
-        if not chosen.any():
+        """Return the ``(1, 3)`` box of all static geometry, or of all geometry if none is static."""
+        selected = self.casts & ~self.moving if (self.casts & ~self.moving).any() else self.casts
+        if not selected.any():
             return np.zeros((1, 3)), np.ones((1, 3))
-        return self.boxes[0][chosen].min(axis=0, keepdims=True), self.boxes[1][chosen].max(axis=0, keepdims=True)
+        return self.boxes[0][selected].min(axis=0, keepdims=True), self.boxes[1][selected].max(axis=0, keepdims=True)
 
-    def material(self, group: Group) -> Material:
+    def material(self, group: DrawGroup) -> Material:
         return self.scene.materials[group.material]
 
     def place(
         self, seconds: tuple[float, float], views: tuple[Matrix, Matrix], projections: tuple[Matrix, Matrix]
     ) -> None:
-        """Transforms at the current and the previous instant; ``projections`` are unjittered."""
+        """Set the transforms of the current and the previous instant; ``projections`` are unjittered."""
         for i in self.movers:
             item = self.scene.objects[i]
             self.models[i] = in_world(item, seconds[0], views[0])
             self.previous_models[i] = in_world(item, seconds[1], views[1])
         if self.movers:
             moved = self.moving
-            lo, hi = transformed(self._lo[moved], self._hi[moved], self.models[self.object_of[moved]])
+            lo, hi = transformed(self._lo[moved], self._hi[moved], self.models[self.draw_objects[moved]])
             self.boxes[0][moved], self.boxes[1][moved] = lo, hi
         if len(self.models) == 0:
             return
-        # Multiplied in float64: a large world's offsets cancel here and not in the shader.
+        # Multiply in float64: large offsets of the world cancel here instead of in the shader's float32.
         now, before = (projection @ view for projection, view in zip(projections, views))
         current = (now @ self.models).transpose(0, 2, 1).reshape(-1, 16)  # columns of the matrix
         previous = (before @ self.previous_models)[:, [0, 1, 3]].reshape(-1, 12)  # rows
@@ -192,7 +196,7 @@ class GpuScene:
         self.model_buffer.write(np.ascontiguousarray(self.models[:, :3], dtype=np.float32).tobytes())
 
     def vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
-        """Attributes that the program does not read are left out."""
+        """Return the vertex array of a program, without attributes that the program does not read."""
         sources = (
             (self.vertex_buffer, VERTEX_LAYOUT),
             (self.model_buffer, MODEL_LAYOUT),
@@ -205,6 +209,6 @@ class GpuScene:
         )
 
     def write_commands(self, draws: NDArray[np.int64]) -> None:
-        """Fills the indirect buffer with the chosen draws, in order."""
+        """Fill the indirect buffer with the selected draws, in order."""
         if len(draws):
             self.indirect.write(np.ascontiguousarray(self.commands[draws]).tobytes())

@@ -1,4 +1,4 @@
-"""The lights of a scene as the lighting pass wants them."""
+"""Lights of a scene as inputs of the lighting pass."""
 
 import moderngl
 import numpy as np
@@ -11,11 +11,14 @@ from supersampling.render.programs import Programs, assign
 from supersampling.render.shadows import CUBE_NORMAL_OFFSET, Casters, PointShadows, SunShadows
 from supersampling.scenes.scene import PointLight
 
-MAX_LIGHTS = 64  # in view at once; the nearest are kept
+MAX_LIGHTS = 64  # in view at once; only the nearest are drawn
 
 
 def spot(light: PointLight) -> tuple[float, float, float, float]:
-    """``(direction * scale, offset)`` of KHR_lights_punctual's angular attenuation; (0, 0, 0, 1) shines everywhere."""
+    """Return ``(direction * scale, offset)`` of KHR_lights_punctual's angular attenuation.
+
+    (0, 0, 0, 1) shines in all directions.
+    """
     if light.cone is None:
         return 0.0, 0.0, 0.0, 1.0
     inner, outer = (float(np.cos(angle)) for angle in light.cone)
@@ -45,7 +48,7 @@ class Lights:
     def prepare(
         self, programs: Programs, eye: NDArray[np.float64], planes: Matrix, radiance: bool
     ) -> moderngl.VertexArray:
-        """Updates the shadow maps that the view needs; returns the lighting pass with its light uniforms set."""
+        """Update the shadow maps that the view needs, and return the lighting pass with its light uniforms set."""
         parts = ("brdf", "surface", "sky", "display", "shadow_lookup", "lighting_fragment")
         array = programs.screen(parts, (*self._definitions, *(("RADIANCE",) if radiance else ())))
         program = array.program
@@ -62,7 +65,7 @@ class Lights:
         return array
 
     def _visible(self, eye: NDArray[np.float64], planes: Matrix) -> NDArray[np.int64]:
-        """Indices of the point lights whose sphere the view may see."""
+        """Return the indices of the nearest `MAX_LIGHTS` point lights whose sphere the view may see."""
         reach = self._radii[:, None]
         seen = np.flatnonzero(visible((self._positions - reach, self._positions + reach), planes))
         nearest = np.argsort(np.linalg.norm(self._positions[seen] - eye, axis=1), kind="stable")

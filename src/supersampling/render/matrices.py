@@ -1,4 +1,4 @@
-"""Projections and camera rays of a window, float64, column vectors.
+"""Projections and camera rays of a window: float64, for column vectors.
 
 The renderer's clip space has y pointing DOWN, so that row 0 of a framebuffer is the top row of the image and
 ``uv = ndc / 2 + 1/2`` needs no flip. Front faces are therefore clockwise on screen.
@@ -10,7 +10,7 @@ from supersampling.render.camera import Camera, Matrix, Window
 
 
 def full_projection(camera: Camera, window: Window, near: float, far: float) -> Matrix:
-    """Perspective of the whole frame that ``window`` lies in: ``(4, 4)``, ``w`` is the view depth in metres."""
+    """Return the perspective ``(4, 4)`` of the whole frame around ``window``; ``w`` is the view depth in metres."""
     focal = 1.0 / np.tan(camera.fov / 2.0)
     aspect = window.frame_width / window.frame_height
     out = np.zeros((4, 4))
@@ -23,7 +23,7 @@ def full_projection(camera: Camera, window: Window, near: float, far: float) -> 
 
 
 def crop(window: Window) -> Matrix:
-    """``(4, 4)`` that maps the frame's clip space to the window's."""
+    """Return the ``(4, 4)`` matrix from the clip space of the frame to that of the window."""
     scale_x = window.frame_width / window.width
     scale_y = window.frame_height / window.height
     centre_x = 2.0 * (window.x + window.width / 2.0) / window.frame_width - 1.0
@@ -35,14 +35,14 @@ def crop(window: Window) -> Matrix:
 
 
 def window_projection(camera: Camera, window: Window, near: float, far: float) -> Matrix:
-    """Off-centre perspective ``(4, 4)`` of the window alone."""
+    """Return the off-centre perspective ``(4, 4)`` of the window."""
     return crop(window) @ full_projection(camera, window, near, far)
 
 
 def ray_basis(view: Matrix, projection: Matrix) -> Matrix:
-    """``(3, 3)``: ``basis @ (x, y, 1)`` is the world-space ray of unit view depth through the point ``x, y`` in [-1, 1]^2.
+    """Return ``basis (3, 3)``; ``basis @ (x, y, 1)`` is the ray through the point ``x, y`` in [-1, 1]^2.
 
-    World position = eye + view depth * ray.
+    Rays are in world space and of unit view depth: world position = eye + view depth * ray.
     """
     # ndc = P[:2, :2] * view.xy / depth - P[:2, 2], with view.z = -depth.
     inverse = np.eye(3)
@@ -55,16 +55,19 @@ def ray_basis(view: Matrix, projection: Matrix) -> Matrix:
 
 
 def sky_homography(view: Matrix, projection: Matrix, previous_view: Matrix, previous_projection: Matrix) -> Matrix:
-    """``(3, 3)`` from a current ``(x, y, 1)`` in [-1, 1]^2 to the previous homogeneous ``(x, y, w)`` of the same direction."""
+    """Return ``(3, 3)`` from the current ``(x, y, 1)`` of a direction to its previous homogeneous ``(x, y, w)``.
+
+    ``x, y`` are in [-1, 1]^2.
+    """
     rays = ray_basis(view, projection)
     return previous_projection[[0, 1, 3], :3] @ previous_view[:3, :3] @ rays
 
 
 def jitter_offset(jitter: tuple[float, float], width: int, height: int) -> tuple[float, float]:
-    """Clip-space offset of the SAMPLE: jitter pixels right and down. The image moves by the opposite."""
+    """Return the clip-space offset of the SAMPLE: jitter in pixels right and down. The image moves the opposite way."""
     return 2.0 * jitter[0] / width, 2.0 * jitter[1] / height
 
 
-def eye_of(view: Matrix) -> Matrix:
-    """World position ``(3,)`` of a camera."""
+def eye_position(view: Matrix) -> Matrix:
+    """Return the world position ``(3,)`` of a camera."""
     return np.asarray(np.linalg.inv(view)[:3, 3], np.float64)

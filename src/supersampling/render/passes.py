@@ -1,4 +1,4 @@
-"""The passes of a frame: the G-buffer, the light on it, its single buffers, and the average over samples."""
+"""Passes of a frame: the G-buffer, its lighting, extraction of single buffers, and the average over samples."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 from supersampling.render import matrices
 from supersampling.render.camera import Matrix, Shot, Window
 from supersampling.render.environment import Environment
-from supersampling.render.frustum import planes_of, visible
+from supersampling.render.frustum import clip_planes, visible
 from supersampling.render.gpu_scene import GpuScene
 from supersampling.render.lighting import Lights
 from supersampling.render.programs import Programs, assign, matrix
 from supersampling.render.shadows import Casters
-from supersampling.render.targets import GBuffer, Needs, Targets
+from supersampling.render.targets import Contents, Framebuffers, GBuffer
 from supersampling.scenes.scene import Scene
 
-LOOK_SHADOWS = 256  # texels a side of the sun's map for a first look
+PREVIEW_SHADOWS = 256  # texels per side of the sun's map for previews
 
-# Buffers that a pass over the G-buffer extracts: expressions of extract_fragment.glsl.
+# Buffers that a pass over the G-buffer extracts, as expressions of extract_fragment.glsl.
 EXTRACTED = {
     "normal": "solid * (image_axes * s.normal)",
     "albedo": "solid * albedo.rgb",
@@ -35,7 +35,7 @@ EXTRACTED = {
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A window of a shot at ``size`` pixels, its samples ``jitter`` (clip space, right and down) off the pixels' centres."""
+    """Window of a shot at ``size`` pixels, sampled ``jitter`` (clip space, right and down) off the pixels' centres."""
 
     shot: Shot
     window: Window
@@ -53,74 +53,73 @@ class View:
 
     @cached_property
     def clip(self) -> Matrix:
-        """World to clip space, unjittered."""
+        """World-to-clip matrix, unjittered."""
         return self.projection @ self.shot.camera.view
 
 
 class Passes:
-    """Draws a scene's passes in one OpenGL context."""
+    """Passes of one scene in one OpenGL context."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, shadow_size: int) -> None:
         self._ctx, self._scene = ctx, scene
         self._gpu = GpuScene(ctx, scene)
         self._programs = Programs(ctx, self._gpu)
-        self._targets = Targets(ctx)
+        self._targets = Framebuffers(ctx)
         self._environment = Environment(ctx, scene.sky)
         self._casters = Casters(ctx, self._gpu, self._programs)
         self._lights = Lights(ctx, self._gpu, self._casters, shadow_size)
         self._coarse: Lights | None = None
 
-    def surface(self, view: View, mip_bias: float, needs: Needs) -> GBuffer:
-        """The sky, all draws that the view may see, and the interface on top."""
+    def surface(self, view: View, mip_bias: float, contents: Contents) -> GBuffer:
+        """Draw the G-buffer: the sky, all draws that the view may see, and the interface on top."""
         gpu, ctx = self._gpu, self._ctx
         shot = view.shot
-        gpu.place(
-            (shot.seconds, shot.previous_seconds), (shot.camera.view, shot.previous_camera.view),
-            (view.projection, view.previous_projection),
-        )  # fmt: skip
-        g = self._targets.gbuffer(view.size, needs)
+        seconds = (shot.seconds, shot.previous_seconds)
+        views = (shot.camera.view, shot.previous_camera.view)
+        gpu.place(seconds, views, (view.projection, view.previous_projection))
+        g = self._targets.gbuffer(view.size, contents)
         g.begin()
         self._background(g, view)
         ctx.enable_only(moderngl.DEPTH_TEST)
-        planes = planes_of(view.clip)
-        # Jitter moves the image by up to half a pixel, so the volume is that much wider.
+        planes = clip_planes(view.clip)
+        # Jitter moves the image by up to half a pixel, so widen the volume by as much.
         planes[:4] += view.clip[3] / min(view.size)
         draws = np.flatnonzero(visible(gpu.boxes, planes))
         gpu.write_commands(draws)
-        groups, starts, counts = np.unique(gpu.group_of[draws], return_index=True, return_counts=True)
+        groups, starts, counts = np.unique(gpu.draw_groups[draws], return_index=True, return_counts=True)
         behind = True
         for group, start, count in zip(groups, starts, counts):
             if behind and gpu.material(gpu.groups[group]).interface:
-                if not needs.surface:
+                if not contents.surface:
                     break
-                g.emission_alone()
+                g.write_emission_only()
                 behind = False
-            array = self._mesh_program(int(group), view, needs, mip_bias)
+            array = self._mesh_program(int(group), view, contents, mip_bias)
             array.render_indirect(gpu.indirect, moderngl.TRIANGLES, int(count), int(start))
         return g
 
     def _background(self, g: GBuffer, view: View) -> None:
-        array = self._programs.screen(("background_fragment",), g.needs.definitions)
+        array = self._programs.screen(("background_fragment",), g.contents.definitions)
         before = view.shot.previous_camera.view
         warp = matrices.sky_homography(view.shot.camera.view, view.projection, before, view.previous_projection)
         assign(array.program, homography=matrix(warp), size=view.size, jitter=view.jitter)
         self._ctx.enable_only(moderngl.NOTHING)
         array.render(moderngl.TRIANGLES, vertices=3)
 
-    def _mesh_program(self, index: int, view: View, needs: Needs, mip_bias: float) -> moderngl.VertexArray:
-        """The program of a group of draws, with its material bound."""
+    def _mesh_program(self, index: int, view: View, contents: Contents, mip_bias: float) -> moderngl.VertexArray:
+        """Return the program of a group of draws, with its material bound."""
         gpu, ctx = self._gpu, self._ctx
         group = gpu.groups[index]
         material = gpu.material(group)
         maps = gpu.materials.maps(group.material)
-        chosen = {
+        switches = {
             "ALPHA_TEST": material.alpha != "opaque",
-            "NORMAL_MAP": needs.surface and maps[1] is not None,
-            "SURFACE_MAP": needs.surface and maps[2] is not None,
-            "GLOW_MAP": needs.surface and maps[3] is not None,
+            "NORMAL_MAP": contents.surface and maps[1] is not None,
+            "SURFACE_MAP": contents.surface and maps[2] is not None,
+            "GLOW_MAP": contents.surface and maps[3] is not None,
         }
-        own = tuple(name for name, on in chosen.items() if on)
-        array = self._programs.mesh("gbuffer", (*own, *needs.definitions))
+        material_definitions = tuple(name for name, on in switches.items() if on)
+        array = self._programs.mesh("gbuffer", (*material_definitions, *contents.definitions))
         near, far = view.depth
         assign(array.program, jitter=view.jitter, mip_bias=mip_bias, depth_range=(near, 1.0 / (far - near)))
         assign(array.program, albedo_map=0, normal_map=1, surface_map=2, glow_map=3)
@@ -128,7 +127,7 @@ class Passes:
         for unit, texture in enumerate(maps):
             if texture is not None:
                 texture.use(unit)
-        # The image is drawn y down, which turns the winding; a mirroring transform turns it again.
+        # The image is drawn with y down, which reverses the winding; a mirroring transform reverses it again.
         ctx.front_face = "ccw" if group.mirrored else "cw"
         if material.double_sided:
             ctx.disable(moderngl.CULL_FACE)
@@ -137,10 +136,10 @@ class Passes:
         return array
 
     def light(self, g: GBuffer, view: View, *, radiance: bool, coarse: bool = False) -> None:
-        """Lights the surface: image ``color``, display-referred, and with it ``radiance``. ``coarse`` shadows are quick."""
+        """Draw the lit image ``color``, display-referred, and optionally ``radiance``. ``coarse`` shadows are quick."""
         lights = self._coarse_lights() if coarse else self._lights
-        eye = matrices.eye_of(view.shot.camera.view)
-        array = lights.prepare(self._programs, eye, planes_of(view.clip), radiance)
+        eye = matrices.eye_position(view.shot.camera.view)
+        array = lights.prepare(self._programs, eye, clip_planes(view.clip), radiance)
         near, far = view.depth
         assign(array.program, eye=tuple(eye), depth_range=(near, far - near))
         g.draw_to(*(("color", "radiance") if radiance else ("color",)))
@@ -148,11 +147,11 @@ class Passes:
 
     def _coarse_lights(self) -> Lights:
         if self._coarse is None:
-            self._coarse = Lights(self._ctx, self._gpu, self._casters, LOOK_SHADOWS)
+            self._coarse = Lights(self._ctx, self._gpu, self._casters, PREVIEW_SHADOWS)
         return self._coarse
 
     def extract(self, g: GBuffer, view: View, name: str) -> None:
-        """One buffer of `EXTRACTED` as image ``extracted``."""
+        """Draw one buffer of `EXTRACTED` as the image ``extracted``."""
         array = self._programs.screen(("brdf", "surface", "sky", "extract_fragment"), (f"EXTRACT ({EXTRACTED[name]})",))
         axes = np.diag([1.0, -1.0, 1.0]) @ view.shot.camera.view[:3, :3]
         assign(array.program, image_axes=matrix(axes))
@@ -160,22 +159,17 @@ class Passes:
         self._screen(array, g, view)
 
     def _screen(self, array: moderngl.VertexArray, g: GBuffer, view: View) -> None:
-        """A full-screen pass over the surface."""
+        """Draw a full-screen pass over the surface."""
         self._ctx.enable_only(moderngl.NOTHING)
         g.bind(array.program)
         self._environment.bind(array.program)
         rays = matrices.ray_basis(view.shot.camera.view, view.projection)
-        assign(
-            array.program,
-            rays=matrix(rays),
-            size=view.size,
-            jitter=view.jitter,
-            exposure=self._scene.exposure,
-        )
+        exposure = self._scene.exposure
+        assign(array.program, rays=matrix(rays), size=view.size, jitter=view.jitter, exposure=exposure)
         array.render(moderngl.TRIANGLES, vertices=3)
 
     def average(self, g: GBuffer, image: str, samples: int) -> NDArray[np.float32]:
-        """``(h / samples, w / samples, 3)``: an image of ``g`` under a box filter."""
+        """Return an image of ``g`` under a box filter: ``(h / samples, w / samples, 3)``."""
         array = self._programs.screen(("resolve_fragment",))
         g.image(image).use(0)
         assign(array.program, image=0, samples=samples)

@@ -1,4 +1,4 @@
-"""Renders many data set files by several processes, each clip by one of them."""
+"""Rendering of many data set files by several processes, each clip by one process."""
 
 import multiprocessing
 import os
@@ -26,7 +26,7 @@ _THREADS = "LP_NUM_THREADS"
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be rendered: the buffers ``names`` of ``specs``, under ``folder``; ``path`` is the file of a glTF scene."""
+    """Rendering order: the buffers ``names`` of ``specs`` in ``folder``; ``path`` is the file of a glTF scene."""
 
     specs: tuple[CaptureSpec, ...]
     folder: Path
@@ -46,13 +46,14 @@ def render_files(
     path: Path | None = None,
     scene: Scene | None = None,
 ) -> list[Path]:
-    """Render what is missing of these data set files by ``workers`` processes, and return their paths.
+    """Render the missing parts of these data set files with ``workers`` processes, and return the files' paths.
 
-    Clips that another running command is at are waited for. ``path`` is the file of a glTF scene. ``scene`` stands for the one
-    that the specifications name; it cannot go to another process.
+    Clips that another running command is rendering are waited for. ``path`` is the file of a glTF scene. ``scene``
+    replaces the scene that the specifications name; it cannot be sent to another process.
 
     Raises:
-        UserError: a wrong specification or buffer, no such scene, no OpenGL, or no space.
+        UserError: A specification or buffer is invalid, the scene does not exist, OpenGL is missing, or the disk is
+        full.
     """
     order = Order(tuple(specs), folder, names, path)
     files = order.files()
@@ -63,7 +64,7 @@ def render_files(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(
-            f"Cannot make the data folder {folder}: {error.strerror}. Set paths.data to another one."
+            f"Cannot create the data folder {folder} ({error.strerror}): set paths.data to another folder."
         ) from error
     while any(file.missing() for file in files):
         clips = [len(file.waiting()) for file in files]
@@ -72,13 +73,13 @@ def render_files(
             if min(workers, sum(clips)) > 1 and scene is None:
                 _by_processes(order, min(workers, sum(clips)), bar)
             else:
-                _alone(files, Studio(scene, path), bar)
+                _in_this_process(files, Studio(scene, path), bar)
         if any(file.missing() for file in files):
-            time.sleep(_POLL)  # another command is at the rest
+            time.sleep(_POLL)  # another command is rendering the other clips
     return [file.path for file in files]
 
 
-def _alone(files: Sequence[DataFile], studio: Studio, bar: tqdm) -> None:
+def _in_this_process(files: Sequence[DataFile], studio: Studio, bar: tqdm) -> None:
     with studio:
         for file in files:
             bar.set_description(f"render {file.spec.scene} {file.spec.split}", refresh=False)
@@ -86,43 +87,43 @@ def _alone(files: Sequence[DataFile], studio: Studio, bar: tqdm) -> None:
 
 
 def _by_processes(order: Order, workers: int, bar: tqdm) -> None:
-    """This process is one of the workers; the others are spawned, since an OpenGL context does not survive a fork."""
+    """Render with this process and ``workers - 1`` spawned ones: an OpenGL context does not survive a fork."""
     context = multiprocessing.get_context("spawn")
     frames, errors = context.Value("l", 0), context.Queue()
     arguments = (order, frames, errors, os.getpid())
-    others = [context.Process(target=_worker, args=arguments, daemon=True) for _ in range(workers - 1)]
+    processes = [context.Process(target=_worker, args=arguments, daemon=True) for _ in range(workers - 1)]
 
-    def step(own: int = 1) -> None:
+    def report(finished: int = 1) -> None:
         with frames.get_lock():
-            frames.value += own
+            frames.value += finished
             bar.update(frames.value - bar.n)
         if not errors.empty():
-            raise _as_raised(*errors.get())
+            raise _exception(*errors.get())
 
     try:
-        for process in others:
+        for process in processes:
             process.start()
         with _one_core(), Studio(path=order.path) as studio:
             for file in order.files():
-                file.work(studio, step)
-        while any(process.is_alive() for process in others):
+                file.work(studio, report)
+        while any(process.is_alive() for process in processes):
             time.sleep(_POLL)
-            step(0)
-        for process in others:
+            report(0)
+        for process in processes:
             process.join()
-            step(0)
+            report(0)
             if process.exitcode != 0:
                 raise RuntimeError(f"A rendering process ended with status {process.exitcode}.")
     finally:
-        for process in others:
+        for process in processes:
             process.terminate()
-        for process in others:
+        for process in processes:
             process.join()
 
 
 @contextmanager
 def _one_core() -> Iterator[None]:
-    """Mesa's software rasteriser on the calling thread alone, in contexts that are made meanwhile."""
+    """Make Mesa's software rasteriser use only the calling thread, for contexts that are created inside."""
     before = os.environ.get(_THREADS)
     os.environ[_THREADS] = "0"
     try:
@@ -133,14 +134,14 @@ def _one_core() -> Iterator[None]:
             os.environ[_THREADS] = before
 
 
-def _as_raised(by_user: bool, text: str) -> Exception:
+def _exception(by_user: bool, text: str) -> Exception:
     return UserError(text) if by_user else RuntimeError(f"A rendering process failed:\n{text}")
 
 
 def _worker(order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool, str]]", parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
 
-    def step() -> None:
+    def report() -> None:
         if os.getppid() != parent:
             os._exit(1)  # the parent was killed
         with frames.get_lock():
@@ -149,7 +150,7 @@ def _worker(order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool
     try:
         with _one_core(), Studio(path=order.path) as studio:
             for file in order.files():
-                file.work(studio, step)
+                file.work(studio, report)
     except UserError as error:
         errors.put((True, str(error)))
     except Exception:

@@ -11,14 +11,17 @@ _VERSION = "#version 430\n"
 
 
 def source(names: tuple[str, ...], definitions: tuple[str, ...]) -> str:
-    """The named files one after another, behind ``#define``s."""
+    """Return the concatenation of the named files after one ``#define`` per definition."""
     folder = files("supersampling.render") / "shaders"
     lines = [f"#define {d}\n" for d in definitions]
     return _VERSION + "".join(lines) + "\n".join((folder / f"{name}.glsl").read_text() for name in names)
 
 
 class Programs:
-    """Compiles on first use. ``mesh`` gives a vertex array over the scene, ``screen`` one over a full-screen triangle."""
+    """Programs compiled on first use.
+
+    ``mesh`` returns a vertex array over the scene, ``screen`` one over a full-screen triangle.
+    """
 
     def __init__(self, ctx: moderngl.Context, gpu: GpuScene) -> None:
         self._ctx = ctx
@@ -36,7 +39,7 @@ class Programs:
         return self._arrays[key]
 
     def screen(self, names: tuple[str, ...], definitions: tuple[str, ...] = ()) -> moderngl.VertexArray:
-        """The fragment shader is made of ``names`` in order."""
+        """Return a full-screen pass whose fragment shader is the concatenation of ``names``."""
         key = (names, definitions)
         if key not in self._arrays:
             program = self._ctx.program(
@@ -47,7 +50,7 @@ class Programs:
 
 
 def assign(program: moderngl.Program, **values: object) -> None:
-    """Sets the uniforms that the program has; a compiler drops those that it does not need."""
+    """Set the uniforms that the program has; the compiler drops unused ones."""
     for name, value in values.items():
         member = program.get(name, None)
         if isinstance(member, moderngl.Uniform):
@@ -55,5 +58,5 @@ def assign(program: moderngl.Program, **values: object) -> None:
 
 
 def matrix(value: object) -> tuple[float, ...]:
-    """A row-major numpy matrix as GL's column-major tuple."""
+    """Return a row-major matrix as OpenGL's column-major tuple."""
     return tuple(float(v) for v in np.asarray(value).T.ravel())

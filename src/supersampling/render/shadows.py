@@ -1,8 +1,9 @@
-"""Shadow maps whose texels stay where they are in the world, so that a moving camera makes no shadow crawl.
+"""Shadow maps whose texels are fixed in the world, so that shadows do not crawl when the camera moves.
 
-The sun has a near region around the camera, moved in steps of whole texels and rendered again only on a step, and a far
-one over the whole scene, rendered once. The change between them follows the eye's distance and not the steps. Point
-lights have six-faced tiles. Static geometry is cached; moving objects have maps of their own, drawn each frame.
+The sun has two maps: a near region around the camera, which moves in steps of whole texels and is rendered again only
+after a step, and a far region over the whole scene, which is rendered once. The blend between them depends on the
+distance from the eye, not on the steps. A point light has a row of six tiles, one per cube face. Maps of static
+geometry are cached; moving objects have separate maps, drawn for each frame.
 """
 
 from dataclasses import dataclass
@@ -12,25 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.render.camera import Matrix
-from supersampling.render.frustum import planes_of, touches_sphere, visible
+from supersampling.render.frustum import clip_planes, touches_sphere, visible
 from supersampling.render.gpu_scene import GpuScene
 from supersampling.render.programs import Programs, assign, matrix
 from supersampling.scenes.scene import PointLight, Sun
 
-NEAR_REACH = 40.0  # metres of the eye within which the near map serves alone
+NEAR_REACH = 40.0  # metres from the eye within which only the near map is used
 NEAR_FADE = 8.0
 NEAR_STEP = 8.0
 CUBE_FACE = 512
 MOVING_CUBE_FACE = 256
 CUBE_NEAR = 0.05
-CUBE_TILE = 0.98  # half extent of a face on its tile
+CUBE_TILE = 0.98  # half extent of a face on its tile, whose half extent is 1
 CUBE_NORMAL_OFFSET = 1.5 * 2.0 / (CUBE_TILE * MOVING_CUBE_FACE)  # metres per metre from the light
 _DEPTH_CLAMP = 0x864F
 _TO_TEXTURE = np.array([[0.5, 0, 0, 0.5], [0, 0.5, 0, 0.5], [0, 0, 0.5, 0.5], [0, 0, 0, 1.0]])
 
 
 def depth_map(ctx: moderngl.Context, width: int, height: int) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-    """A depth texture that compares and filters, cleared to far."""
+    """Create a depth texture that compares and filters, cleared to far."""
     texture = ctx.depth_texture((width, height))
     texture.compare_func = "<="
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -41,7 +42,7 @@ def depth_map(ctx: moderngl.Context, width: int, height: int) -> tuple[moderngl.
 
 
 class Casters:
-    """Draws chosen casters into a depth map, both faces, alpha-tested where the material is."""
+    """Shadow casters: drawn into depth maps with both faces, alpha-tested if the material is."""
 
     def __init__(self, ctx: moderngl.Context, gpu: GpuScene, programs: Programs) -> None:
         self._ctx = ctx
@@ -50,17 +51,17 @@ class Casters:
         self._tested = programs.mesh("shadow", ("ALPHA_TEST",))
         self.alpha = np.array([gpu.material(g).alpha != "opaque" for g in gpu.groups], dtype=bool)
 
-    def draw(self, target: moderngl.Framebuffer, light: Matrix, chosen: NDArray[np.bool_]) -> None:
-        """``chosen (D,)`` picks draws; the target's viewport is the caller's."""
+    def draw(self, target: moderngl.Framebuffer, light: Matrix, selected: NDArray[np.bool_]) -> None:
+        """Draw the draws ``selected (D,)`` into the target's current viewport."""
         gpu, ctx = self._gpu, self._ctx
-        draws = np.flatnonzero(chosen)
+        draws = np.flatnonzero(selected)
         if len(draws) == 0:
             return
         target.use()
         ctx.enable_only(moderngl.DEPTH_TEST)
-        ctx.enable_direct(_DEPTH_CLAMP)  # casters between the sun and the region's near plane count
+        ctx.enable_direct(_DEPTH_CLAMP)  # keep casters between the sun and the near plane
         ctx.polygon_offset = 1.5, 4.0
-        tested = self.alpha[gpu.group_of[draws]]
+        tested = self.alpha[gpu.draw_groups[draws]]
         draws = np.concatenate([draws[~tested], draws[tested]])
         gpu.write_commands(draws)
         solid = int((~tested).sum())
@@ -68,7 +69,7 @@ class Casters:
             assign(self._opaque.program, light=matrix(light))
             self._opaque.render_indirect(gpu.indirect, moderngl.TRIANGLES, solid, 0)
         assign(self._tested.program, light=matrix(light), albedo_map=0)
-        groups, starts, counts = np.unique(gpu.group_of[draws[solid:]], return_index=True, return_counts=True)
+        groups, starts, counts = np.unique(gpu.draw_groups[draws[solid:]], return_index=True, return_counts=True)
         for group, start, count in zip(groups, starts, counts):
             material = gpu.groups[group].material
             gpu.materials.albedo[material].use(0)
@@ -80,14 +81,14 @@ class Casters:
 
 @dataclass
 class Region:
-    """A square of the sun's view: ``centre (2,)`` in light space and half its side, metres."""
+    """Square of the sun's view: ``centre (2,)`` in light space and half the side, in metres."""
 
     centre: NDArray[np.float64]
     half: float
 
 
 class SunShadows:
-    """The sun's three maps; texture units 4 (near), 5 (far), 6 (moving)."""
+    """Three maps of the sun, on texture units 4 (near), 5 (far) and 6 (moving)."""
 
     def __init__(self, ctx: moderngl.Context, gpu: GpuScene, casters: Casters, sun: Sun, size: int) -> None:
         self._gpu, self._casters = gpu, casters
@@ -107,16 +108,16 @@ class SunShadows:
             (self._near_map, self._near_buffer) if self._small else depth_map(ctx, size, size)
         )
         self._moving_map, self._moving_buffer = depth_map(ctx, max(size // 2, 1), max(size // 2, 1))
-        self._near: Region | None = None
+        self._near = Region(np.full(2, np.inf), 0.0)  # never an eye's region: the first update renders the map
         self._far_ready = False
         self._moving = self._moving_stale = False
 
     def _matrix(self, region: Region) -> Matrix:
-        """World to the region's clip space; depth spans the static scene."""
+        """Return the matrix from the world to the region's clip space; depth spans the static scene."""
         out = np.eye(4)
         out[:2, :3] = self._axes[:2] / region.half
         out[:2, 3] = -region.centre / region.half
-        span = max(self._high[2] - self._low[2], 1.0)  # a flat scene under a sun at its zenith has none
+        span = max(self._high[2] - self._low[2], 1.0)  # a flat scene has no depth under a sun at the zenith
         out[2, :3] = -2.0 * self._axes[2] / span
         out[2, 3] = (self._high[2] + self._low[2]) / span
         return out
@@ -129,17 +130,17 @@ class SunShadows:
         step = max(round(NEAR_STEP / texel), 1) * texel
         return Region(np.round((self._axes @ eye)[:2] / step) * step, half)
 
-    def _render(self, buffer: moderngl.Framebuffer, region: Region, chosen: NDArray[np.bool_]) -> bool:
+    def _render(self, buffer: moderngl.Framebuffer, region: Region, selected: NDArray[np.bool_]) -> bool:
         light = self._matrix(region)
-        sides = planes_of(light)[:4]  # depth is clamped, not clipped
-        inside = chosen & visible(self._gpu.boxes, sides)
+        sides = clip_planes(light)[:4]  # depth is clamped, not clipped
+        inside = selected & visible(self._gpu.boxes, sides)
         self._casters.draw(buffer, light, inside)
         return bool(inside.any())
 
     def update(self, eye: NDArray[np.float64]) -> None:
-        """Brings the maps up to date for this eye and the moving objects' present places."""
+        """Update the maps for this eye and the current transforms of moving objects."""
         region = self._region(eye)
-        if self._near is None or not np.array_equal(region.centre, self._near.centre):
+        if not np.array_equal(region.centre, self._near.centre):
             self._near = region
             self._near_buffer.clear(depth=1.0)
             self._render(self._near_buffer, region, self._gpu.casts & ~self._gpu.moving)
@@ -153,22 +154,25 @@ class SunShadows:
         )
 
     def bind(self, program: moderngl.Program, sun: Sun) -> None:
-        assert self._near is not None
         for unit, texture in enumerate((self._near_map, self._far_map, self._moving_map), start=4):
             texture.use(unit)
         fade = (1e9, 0.0) if self._small else (NEAR_REACH, 1.0 / NEAR_FADE)
         assign(
-            program, sun_near=4, sun_far=5, sun_moving=6,
+            program,
+            sun_near=4,
+            sun_far=5,
+            sun_moving=6,
             sun_near_matrix=matrix(_TO_TEXTURE @ self._matrix(self._near)),
             sun_far_matrix=matrix(_TO_TEXTURE @ self._matrix(self._far)),
             sun_texel=(2.0 * self._near.half / self._size, 2.0 * self._far.half / self._size),
             sun_blend=(*fade, float(self._moving)),
-            sun_direction=tuple(self.direction), sun_radiance=sun.radiance,
-        )  # fmt: skip
+            sun_direction=tuple(self.direction),
+            sun_radiance=sun.radiance,
+        )
 
 
 def face_axes() -> NDArray[np.float64]:
-    """``(6, 3, 3)``: rows right, up, forward of the faces +x -x +y -y +z -z."""
+    """Return ``(6, 3, 3)``: the rows right, up and forward of the faces +x, -x, +y, -y, +z, -z."""
     faces = []
     for axis in range(3):
         for sign in (1.0, -1.0):
@@ -180,7 +184,7 @@ def face_axes() -> NDArray[np.float64]:
 
 
 class PointShadows:
-    """Cube maps of the shadowed point lights as rows of tiles; texture units 7 (static), 8 (moving)."""
+    """Cube maps of the shadowed point lights as rows of tiles, on texture units 7 (static) and 8 (moving)."""
 
     def __init__(self, ctx: moderngl.Context, gpu: GpuScene, casters: Casters, lights: list[PointLight]) -> None:
         self._gpu, self._casters, self._lights = gpu, casters, lights
@@ -192,10 +196,10 @@ class PointShadows:
         self._stale = np.zeros(len(lights), dtype=bool)
         self.moving = np.zeros(len(lights), dtype=bool)
 
-    def _render(self, row: int, buffer: moderngl.Framebuffer, face_size: int, chosen: NDArray[np.bool_]) -> bool:
+    def _render(self, row: int, buffer: moderngl.Framebuffer, face_size: int, selected: NDArray[np.bool_]) -> bool:
         light = self._lights[row]
         position = np.asarray(light.position, np.float64)
-        near = chosen & touches_sphere(self._gpu.boxes, position, light.radius)
+        near = selected & touches_sphere(self._gpu.boxes, position, light.radius)
         if not near.any():
             return False
         for face, axes in enumerate(self._faces):
@@ -203,17 +207,15 @@ class PointShadows:
             world[:3, :3], world[:3, 3] = axes, -axes @ position
             project = np.diag([CUBE_TILE, CUBE_TILE, 0.0, 0.0])
             span = light.radius - CUBE_NEAR
-            project[2, 2], project[2, 3] = (
-                (light.radius + CUBE_NEAR) / span,
-                -2.0 * light.radius * CUBE_NEAR / span,
-            )
+            project[2, 2] = (light.radius + CUBE_NEAR) / span
+            project[2, 3] = -2.0 * light.radius * CUBE_NEAR / span
             project[3, 2] = 1.0
             buffer.viewport = (face * face_size, row * face_size, face_size, face_size)
-            self._casters.draw(buffer, project @ world, near & visible(self._gpu.boxes, planes_of(project @ world)))
+            self._casters.draw(buffer, project @ world, near & visible(self._gpu.boxes, clip_planes(project @ world)))
         return True
 
     def update(self, rows: list[int]) -> None:
-        """Brings the tiles of the lights ``rows`` up to date."""
+        """Update the tiles of the lights ``rows``."""
         for row in rows:
             if not self._ready[row]:
                 self._render(row, self._buffer, CUBE_FACE, self._gpu.casts & ~self._gpu.moving)

@@ -1,4 +1,4 @@
-"""The ways in which a camera moves along a route, by the names that ``data.camera`` takes."""
+"""Styles of camera motion along a route, by the names that ``data.camera`` accepts."""
 
 from collections.abc import Callable
 
@@ -6,26 +6,17 @@ import numpy as np
 
 from supersampling.errors import UserError
 from supersampling.render.head import head
-from supersampling.render.rail import (
-    FRAMES_PER_SECOND,
-    Poses,
-    Rail,
-    Vector,
-    along,
-    directions,
-    heading,
-    route_length,
-)
-from supersampling.scenes.scene import Route
+from supersampling.render.rail import FRAMES_PER_SECOND, Poses, Rail, along, directions, heading, route_length
+from supersampling.scenes.scene import Route, Vector
 
-Style = Callable[[Route, np.random.Generator, int], Poses]
+CameraStyle = Callable[[Route, np.random.Generator, int], Poses]
 
-STOP = 10  # frames that a stop stands (QRISP, annex A.3)
-_RAMP = 6  # frames to brake, and to set off
+STOP = 10  # frames of standing (QRISP, annex A.3)
+_RAMP = 6  # frames of braking, and of setting off
 
 
 def _pace(rng: np.random.Generator, frames: int) -> Vector:
-    """Speed factor in [0, 1] of each frame: steady, or coming to a stop and standing, or standing and setting off."""
+    """Return a speed factor in [0, 1] per frame: steady, or braking and standing, or standing and setting off."""
     t = np.linspace(0.0, 1.0, frames)
     kind = rng.choice(("walk", "stop", "start"), p=(0.5, 0.3, 0.2))
     if kind == "walk":
@@ -37,7 +28,7 @@ def _pace(rng: np.random.Generator, frames: int) -> Vector:
 
 
 def _glances(rng: np.random.Generator, travelled: Vector) -> tuple[Vector, Vector]:
-    """Yaw and pitch in radians of a head that looks about while it walks: two slow waves and a steady turn."""
+    """Return yaw and pitch in radians of a head that looks around while walking: two slow waves and a steady turn."""
     t = travelled / FRAMES_PER_SECOND
     yaw = rng.uniform(-0.5, 0.5) + rng.uniform(-0.4, 0.4) * t
     pitch = rng.uniform(-0.12, 0.08) + np.zeros_like(t)
@@ -48,26 +39,26 @@ def _glances(rng: np.random.Generator, travelled: Vector) -> tuple[Vector, Vecto
     return yaw, pitch
 
 
-def _turned(forward: Vector, yaw: Vector, pitch: Vector) -> Vector:
+def _rotated(forward: Vector, yaw: Vector, pitch: Vector) -> Vector:
     c, s = np.cos(yaw), np.sin(yaw)
     x, y, z = forward.T
-    turned = np.stack((c * x + s * z, y, -s * x + c * z), axis=1)
-    turned[:, 1] += np.tan(pitch) * np.hypot(turned[:, 0], turned[:, 2])
-    return turned
+    rotated = np.stack((c * x + s * z, y, -s * x + c * z), axis=1)
+    rotated[:, 1] += np.tan(pitch) * np.hypot(rotated[:, 0], rotated[:, 2])
+    return rotated
 
 
-def _travelled(pace: Vector) -> Vector:
-    """Frames of full pace before each frame; ``pace[k]`` is that of the way from frame ``k`` to the next."""
+def _distance(pace: Vector) -> Vector:
+    """Return the distance before each frame, in frames of full pace; ``pace[k]`` is for the step from frame k."""
     return np.concatenate(([0.0], np.cumsum(pace)[:-1]))
 
 
 def walk(route: Route, rng: np.random.Generator, frames: int) -> Poses:
-    """Walking and looking about, steadily, or coming to a stand, or setting off; a camera that stands is exactly still."""
+    """Walk and look around: steadily, or braking to a stop, or setting off; a standing camera is exactly still."""
     points = np.asarray(route.points, dtype=np.float64)
     length = route_length(points)
     # Walking pace on a short route, a slow drive on a long one.
     speed = rng.uniform(0.5, 1.0) * np.clip(length / 6.0, 1.0, 6.0)
-    travelled = _travelled(_pace(rng, frames))
+    travelled = _distance(_pace(rng, frames))
     walked = speed * travelled / FRAMES_PER_SECOND
     start = rng.uniform(0.0, max(length - walked[-1], 0.0))
     distance = np.clip(start + walked, 0.0, length)
@@ -75,86 +66,86 @@ def walk(route: Route, rng: np.random.Generator, frames: int) -> Poses:
         distance = distance[::-1].copy()
     eye = along(points, distance)
     forward = heading(route, points, distance, eye)
-    forward[np.hypot(forward[:, 0], forward[:, 2]) < 1e-6, 2] = -1.0  # no heading: a point, or a route straight up
+    forward[np.hypot(forward[:, 0], forward[:, 2]) < 1e-6, 2] = -1.0  # a point or a vertical route has no heading
     yaw, pitch = _glances(rng, travelled)
-    return Poses(eye, _turned(forward, yaw, pitch), np.zeros(frames))
+    return Poses(eye, _rotated(forward, yaw, pitch), np.zeros(frames))
 
 
 def _facing(rail: Rail, rng: np.random.Generator) -> float:
-    """A yaw to begin with: about the heading, or anywhere where there is none."""
+    """Return a random initial yaw relative to the heading: within 0.5 radians, or any if the route has no heading."""
     return rng.uniform(-np.pi, np.pi) if rail.aimless else rng.uniform(-0.5, 0.5)
 
 
 def stops(route: Route, rng: np.random.Generator, frames: int) -> Poses:
-    """Steady travel that comes to a full stop of 10 frames and goes on, again and again (QRISP, annex A.3).
+    """Travel steadily with repeated full stops of 10 frames (QRISP, annex A.3).
 
-    The paper gives the 10 frames and that not every segment has a stop. Ours: 6 frames of braking and of setting off, 20 to 60
-    frames from stop to stop, and the first one early enough that 30 frames hold all of it.
+    The paper gives the 10 frames and says that not every segment has a stop. Our own choice: 6 frames of braking and of
+    setting off, 20 to 60 frames from stop to stop, and a first stop early enough to fit within 30 frames.
     """
-    rail = Rail.of(route, rng)
+    rail = Rail.sample(route, rng)
     pace = np.ones(frames + 2 * _RAMP + STOP)
     ramp = np.linspace(0.0, 1.0, _RAMP + 2)[1:-1]
     ramp = ramp * ramp * (3.0 - 2.0 * ramp)
     stop = np.concatenate((ramp[::-1], np.zeros(STOP - 1), ramp))
     begin = int(rng.integers(1, 30 - STOP))
     while begin < frames:
-        pace[begin : begin + len(stop)] = stop  # shifted by the ramp, so that a stop may begin before the clip does
+        pace[begin : begin + len(stop)] = stop  # shifted by the ramp, so that a stop may begin before the clip
         begin += STOP + int(rng.integers(20, 61))
-    travelled = _travelled(pace[_RAMP : _RAMP + frames])
+    travelled = _distance(pace[_RAMP : _RAMP + frames])
     speed = rng.uniform(0.75, 1.5) * np.clip(rail.length / 6.0, 1.0, 6.0)
-    eye, yaw, pitch = rail.at(rail.ride(rng, speed, travelled))
+    eye, yaw, pitch = rail.poses(rail.ride(rng, speed, travelled))
     aside, up = _glances(rng, travelled)
     return Poses(eye, directions(yaw + _facing(rail, rng) + aside, pitch + up), np.zeros(frames))
 
 
 def fast(route: Route, rng: np.random.Generator, frames: int) -> Poses:
-    """Quick travel and yaw: NSRD's "fast-moving cameras" (section 4.1), whose speeds the paper does not give.
+    """Travel and turn fast: NSRD's "fast-moving cameras" (section 4.1), whose speeds the paper does not give.
 
-    Ours: 3 to 6 m/s (more on routes over 6 m, less where the clip would leave the route), a steady turn of 20 to 60 degrees a
-    second, and a swing of 5 to 15 degrees to either side.
+    Our own choice: 3 to 6 m/s (more on routes over 6 m, less if the clip would leave the route), a steady turn of 20 to
+    60 degrees per second, and a swing of 5 to 15 degrees to either side.
     """
-    rail = Rail.of(route, rng)
+    rail = Rail.sample(route, rng)
     travelled = np.arange(frames, dtype=np.float64)
     speed = rng.uniform(3.0, 6.0) * np.clip(rail.length / 6.0, 1.0, 6.0)
-    eye, yaw, pitch = rail.at(rail.ride(rng, speed, travelled))
+    eye, yaw, pitch = rail.poses(rail.ride(rng, speed, travelled))
     t = travelled / FRAMES_PER_SECOND
     turn = np.radians(rng.uniform(20.0, 60.0)) * rng.choice((-1.0, 1.0))
     swing = np.radians(rng.uniform(5.0, 15.0))
     nod = np.radians(rng.uniform(1.0, 4.0))
     phase = rng.uniform(0.0, 2.0 * np.pi, size=2)
     frequency = 2.0 * np.pi * rng.uniform(0.4, 0.9, size=2)
-    # The turn runs through the heading in the middle of the clip, so that a short one sees what the route is for.
+    # The turn passes the heading in the middle of the clip, so that a short clip also shows what the route looks at.
     yaw = yaw + _facing(rail, rng) + turn * (t - t.mean()) + swing * np.sin(frequency[0] * t + phase[0])
     pitch = pitch + rng.uniform(-0.12, 0.08) + nod * np.sin(frequency[1] * t + phase[1])
     return Poses(eye, directions(yaw, pitch), np.zeros(frames))
 
 
 def still(route: Route, rng: np.random.Generator, frames: int) -> Poses:
-    """Exactly still for the whole clip, anywhere on the route; the scene's own motion goes on."""
-    rail = Rail.of(route, rng)
-    eye, yaw, pitch = rail.at(np.full(frames, rng.uniform(0.0, rail.length)))
+    """Stand exactly still for the whole clip, anywhere on the route; the scene itself keeps moving."""
+    rail = Rail.sample(route, rng)
+    eye, yaw, pitch = rail.poses(np.full(frames, rng.uniform(0.0, rail.length)))
     yaw, pitch = yaw + _facing(rail, rng), pitch + rng.uniform(-0.12, 0.08)
     return Poses(eye, directions(yaw, pitch), np.zeros(frames))
 
 
-_PLAIN: dict[str, Style] = {"walk": walk, "head": head, "stops": stops, "fast": fast, "still": still}
+_PLAIN: dict[str, CameraStyle] = {"walk": walk, "head": head, "stops": stops, "fast": fast, "still": still}
 
 
 def mixed(route: Route, rng: np.random.Generator, frames: int) -> Poses:
-    """One of the others, drawn for each clip."""
-    others = list(_PLAIN.values())
-    return others[int(rng.integers(len(others)))](route, rng, frames)
+    """Use one of the other styles, drawn for each clip."""
+    styles = list(_PLAIN.values())
+    return styles[int(rng.integers(len(styles)))](route, rng, frames)
 
 
-_STYLES: dict[str, Style] = {**_PLAIN, "mixed": mixed}
+_STYLES: dict[str, CameraStyle] = {**_PLAIN, "mixed": mixed}
 
 
-def camera_style(name: str) -> Style:
-    """The style of that name.
+def camera_style(name: str) -> CameraStyle:
+    """Return the style called ``name``.
 
     Raises:
-        UserError: another name.
+        UserError: The name is unknown.
     """
     if name not in _STYLES:
-        raise UserError(f"data.camera={name} is not a camera style: use {', '.join(_STYLES)}.")
+        raise UserError(f"Invalid data.camera={name}: use {', '.join(_STYLES)}.")
     return _STYLES[name]

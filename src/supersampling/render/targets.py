@@ -1,4 +1,4 @@
-"""Framebuffers of a frame, made on first use and kept while their size is in use."""
+"""Framebuffers of a frame, created on first use and cached while their size is in use."""
 
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from supersampling.render.programs import assign
 
-KEPT = 6  # framebuffers; a frame needs two, and a tiled target's edges up to four
+CACHED = 6  # framebuffers; a frame needs two, and the edges of a tiled target up to four
 
-
-# In the order of their attachment; components and type of each.
+# Components and type of each attachment, in order.
 _FORMATS = {
     "depth": (1, "f4"),
     "albedo": (4, "f2"),
@@ -25,8 +24,8 @@ SURFACE = ("depth", "albedo", "normal", "emission")
 
 
 @dataclass(frozen=True)
-class Needs:
-    """What a G-buffer has to hold: the surface (to light it or to read its material), motion, object ids."""
+class Contents:
+    """Contents of a G-buffer: the surface (for lighting or its material), motion, object ids."""
 
     surface: bool = False
     motion: bool = False
@@ -42,20 +41,20 @@ class Needs:
 
     @property
     def definitions(self) -> tuple[str, ...]:
-        """For the shaders: what is written, and to which attachment."""
-        chosen = {"SHADE": self.surface, "MOTION": self.motion, "OBJECT": self.objects}
-        places = (f"AT_{name.upper()} {k}" for k, name in enumerate(self.attachments))
-        return (*(name for name, on in chosen.items() if on), *places)
+        """Definitions for the shaders: the written contents, and their attachments."""
+        switches = {"SHADE": self.surface, "MOTION": self.motion, "OBJECT": self.objects}
+        locations = (f"AT_{name.upper()} {k}" for k, name in enumerate(self.attachments))
+        return (*(name for name, on in switches.items() if on), *locations)
 
 
 class GBuffer:
-    """Depth, and what else is needed; row 0 is the top row. The images made from it are attached on first use."""
+    """Depth and the other contents; row 0 is the top row. Images that passes draw from it are created on first use."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], needs: Needs) -> None:
-        self.size, self.needs = size, needs
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], contents: Contents) -> None:
+        self.size, self.contents = size, contents
         self._ctx = ctx
         self._textures = {
-            name: ctx.texture(size, *_FORMATS[name][:1], dtype=_FORMATS[name][1]) for name in needs.attachments
+            name: ctx.texture(size, *_FORMATS[name][:1], dtype=_FORMATS[name][1]) for name in contents.attachments
         }
         for texture in self._textures.values():
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
@@ -65,31 +64,31 @@ class GBuffer:
         self._passes: dict[tuple[str, ...], moderngl.Framebuffer] = {}
 
     def begin(self) -> None:
-        """What follows is drawn into every attachment, behind nothing."""
-        if self.needs.surface:  # else nothing was masked
+        """Clear, and draw what follows into every attachment."""
+        if self.contents.surface:  # otherwise nothing was masked
             self._mask([True] * len(self._textures))
         self._buffer.depth_mask = True
         self._buffer.use()
         self._buffer.clear(depth=1.0)
 
-    def emission_alone(self) -> None:
-        """From here on only the emission is written: what is behind keeps its depth, motion and object id."""
+    def write_emission_only(self) -> None:
+        """Draw what follows into the emission only: depth, motion and object ids stay those of the surfaces behind."""
         self._mask([name == "emission" for name in self._textures])
         self._buffer.depth_mask = False
         self._buffer.use()
 
     def _mask(self, written: list[bool]) -> None:
-        # One tuple an attachment, which the stub does not know.
+        # moderngl takes one tuple per attachment, but its stub does not.
         self._buffer.color_mask = [(on,) * 4 for on in written]  # type: ignore[assignment]
 
     def bind(self, program: moderngl.Program) -> None:
-        """The surface as textures of a full-screen pass."""
+        """Bind the surface as textures of a full-screen pass."""
         for unit, name in enumerate(SURFACE):
             self._textures[name].use(unit)
             assign(program, **{f"{name}_map": unit})
 
     def draw_to(self, *names: str) -> None:
-        """The next full-screen pass writes these images."""
+        """Draw the next full-screen pass into these images."""
         if names not in self._passes:
             for name in names:
                 if name not in self._images:
@@ -102,12 +101,12 @@ class GBuffer:
         return self._images[name]
 
     def read_image(self, name: str, channels: int) -> NDArray[np.float32]:
-        """``(h, w, channels)`` of an image."""
+        """Read ``(h, w, channels)`` from an image."""
         data = np.frombuffer(self._images[name].read(), np.float32)
         return data.reshape(self.size[1], self.size[0], 4)[..., :channels]
 
     def read(self, name: str) -> NDArray[np.float32]:
-        """``(h, w, C)`` of one attachment."""
+        """Read ``(h, w, C)`` from one attachment."""
         index, channels = list(self._textures).index(name), self._textures[name].components
         data = self._buffer.read(components=channels, attachment=index, dtype="f4")
         return np.frombuffer(data, np.float32).reshape(self.size[1], self.size[0], channels)
@@ -120,29 +119,29 @@ class GBuffer:
         self._depth.release()
 
 
-class Targets:
-    """Least recently used framebuffers are let go."""
+class Framebuffers:
+    """Cache of framebuffers that releases the least recently used."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._kept: OrderedDict[tuple[tuple[int, int], Needs], GBuffer] = OrderedDict()
+        self._gbuffers: OrderedDict[tuple[tuple[int, int], Contents], GBuffer] = OrderedDict()
         self._resolved: OrderedDict[tuple[int, int], moderngl.Framebuffer] = OrderedDict()
 
-    def gbuffer(self, size: tuple[int, int], needs: Needs) -> GBuffer:
-        key = (size, needs)
-        if key not in self._kept:
-            self._kept[key] = GBuffer(self._ctx, *key)
-        self._kept.move_to_end(key)
-        while len(self._kept) > KEPT:
-            self._kept.popitem(last=False)[1].release()
-        return self._kept[key]
+    def gbuffer(self, size: tuple[int, int], contents: Contents) -> GBuffer:
+        key = (size, contents)
+        if key not in self._gbuffers:
+            self._gbuffers[key] = GBuffer(self._ctx, *key)
+        self._gbuffers.move_to_end(key)
+        while len(self._gbuffers) > CACHED:
+            self._gbuffers.popitem(last=False)[1].release()
+        return self._gbuffers[key]
 
     def resolved(self, size: tuple[int, int]) -> moderngl.Framebuffer:
-        """Where a target of ``size`` is averaged."""
+        """Return the framebuffer in which a target of ``size`` is averaged."""
         if size not in self._resolved:
             self._resolved[size] = self._ctx.framebuffer([self._ctx.renderbuffer(size, 4, dtype="f4")])
         self._resolved.move_to_end(size)
-        while len(self._resolved) > KEPT:
+        while len(self._resolved) > CACHED:
             old = self._resolved.popitem(last=False)[1]
             old.color_attachments[0].release()
             old.release()

@@ -8,6 +8,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from supersampling.frames import BUFFERS, Buffer, Frame
+from supersampling.render.jitter import van_der_corput
 
 Clip = dict[str, Tensor]
 """Buffers by name, ``(B, T, C, h, w)`` or ``(B, T, 2)``."""
@@ -28,19 +29,10 @@ def wave(x: Tensor, y: Tensor, k: float) -> Tensor:
     return 0.5 + 0.2 * first + 0.2 * second
 
 
-def halton(index: int, base: int) -> float:
-    """The radical inverse of ``index`` in (0, 1)."""
-    result, part = 0.0, 1.0
-    while index:
-        part /= base
-        result += part * (index % base)
-        index //= base
-    return result
-
-
 def jitter_of(t: int) -> tuple[float, float]:
     """(x, y) of a frame, in [-0.5, 0.5): Halton(2, 3), 16 long."""
-    return halton(t % JITTERS + 1, 2) - 0.5, halton(t % JITTERS + 1, 3) - 0.5
+    n = t % JITTERS + 1
+    return van_der_corput(n, 2) - 0.5, van_der_corput(n, 3) - 0.5
 
 
 def camera(t: int, moving: bool) -> tuple[float, float]:

@@ -1,1 +1,1 @@
-"""What a scene shows, in numbers: motion, disocclusion, lighting, detail, and what its buffers cost."""
+"""Measurements of scenes: motion, disocclusion, lighting, detail, and the cost of buffers."""

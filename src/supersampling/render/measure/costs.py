@@ -1,4 +1,4 @@
-"""What each buffer costs: seconds of rendering and stored bytes a frame, each asked for alone."""
+"""Cost of each buffer when only it is rendered: seconds and stored bytes per frame."""
 
 import tempfile
 import time
@@ -17,13 +17,13 @@ from supersampling.render.measure.probe import FRAME, seeded_shots
 from supersampling.render.renderer import Image, Renderer
 from supersampling.scenes.scene import Scene
 
-SCALE, SAMPLES, SIDE = 4, 4, 256  # of the frames: a window of 256 x 256 target pixels
+SCALE, SAMPLES, SIDE = 4, 4, 256  # a window of 256 x 256 target pixels
 FRAMES = 5
 
 
 @dataclass(frozen=True)
-class Cost:
-    """Of one buffer alone, a frame: median seconds to render, bytes as a data set stores it, bytes before compression."""
+class BufferCost:
+    """Cost per frame of one buffer: median rendering seconds, bytes as stored in a data set, uncompressed bytes."""
 
     name: str
     seconds: float
@@ -31,8 +31,8 @@ class Cost:
     raw: float
 
 
-def costs(scene: Scene) -> list[Cost]:
-    """Every buffer of `frames.BUFFERS` that is rendered, over a few moments of the scene, after a warm-up of each."""
+def costs(scene: Scene) -> list[BufferCost]:
+    """Measure every rendered buffer of `frames.BUFFERS` over a few moments of the scene, each after a warm-up."""
     x, y = (FRAME[0] - SIDE) // 2, (FRAME[1] - SIDE) // 2
     window = Window(*FRAME, x, y, SIDE, SIDE)
     shots = [replace(shot, window=window) for shot in seeded_shots(scene, FRAMES)]
@@ -47,7 +47,7 @@ def _render(renderer: Renderer, shot: Shot, name: str) -> Image:
     return renderer.high(shot, SAMPLES, 0.0, frozenset({name}))[name]
 
 
-def _cost(renderer: Renderer, shots: list[Shot], name: str, folder: Path) -> Cost:
+def _cost(renderer: Renderer, shots: list[Shot], name: str, folder: Path) -> BufferCost:
     path = folder / f"{name}.h5"
     seconds = []
     _render(renderer, shots[0], name)
@@ -60,15 +60,15 @@ def _cost(renderer: Renderer, shots: list[Shot], name: str, folder: Path) -> Cos
     with h5py.File(path, "r") as file:
         stored = file[name].id.get_storage_size() / len(shots)
         raw = float(np.prod(file[name].shape[1:])) * file[name].dtype.itemsize
-    return Cost(name, median(seconds), stored, raw)
+    return BufferCost(name, median(seconds), stored, raw)
 
 
-def table(found: list[Cost]) -> str:
-    """The costs as a Markdown table."""
-    head = "| buffer | stored as | seconds a frame | kB a frame | of its raw size |\n|---|---|---|---|---|\n"
+def table(buffers: list[BufferCost]) -> str:
+    """Return the costs as a Markdown table."""
+    head = "| buffer | stored as | seconds per frame | kB per frame | share of raw size |\n|---|---|---|---|---|\n"
     rows = (
         f"| `{c.name}` | {BUFFERS[c.name].channels} x {BUFFERS[c.name].dtype} | {c.seconds:.3f} | {c.stored / 1e3:.1f} "
         f"| {c.stored / c.raw:.0%} |"
-        for c in found
+        for c in buffers
     )
     return head + "\n".join(rows)

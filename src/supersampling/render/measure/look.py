@@ -1,4 +1,4 @@
-"""What a scene looks like, in numbers: shares of pixels, speeds, fine detail, and how smooth its lighting is."""
+"""Measures of a scene's appearance: shares of pixels, speeds, fine detail, and smoothness of the lighting."""
 
 from dataclasses import replace
 
@@ -15,18 +15,20 @@ from supersampling.scenes.scene import Scene
 
 SCALE = 4
 GLOSSY = 0.4  # roughness below which a surface counts as glossy
-CONTRAST = 0.2  # of the mean: standard deviation of albedo in 4 x 4 target pixels that counts as fine texture
-BEAT = 0.08  # of the mean: error of albedo averaged over 15 x 15 low-resolution pixels that counts as moire
+# Standard deviation over mean of the albedo in 4 x 4 target pixels, above which it counts as fine texture.
+CONTRAST = 0.2
+# Relative error of the albedo averaged over 15 x 15 low-resolution pixels, above which it counts as moire.
+BEAT = 0.08
 SHADOW_SECONDS = 0.25
 _VISIBLE = 2.0 / 255.0
 _JUMP = 0.02  # of the inverse depth
 
 
 def speeds(probe: Probe, shot: Shot) -> dict[str, NDArray]:
-    """Of a whole frame's low-resolution pixels: ``speed``, the length of the motion in target pixels, and what they show.
+    """Return the ``speed`` of a whole frame's low-resolution pixels (length of the motion in target pixels) and masks.
 
-    The others are masks: ``solid`` surfaces, and on them ``moving`` objects, ``glossy`` ones, ``emissive`` ones,
-    ``tested``, the alpha-tested ones.
+    The masks are ``solid`` (surfaces) and, among them, ``moving`` objects, ``glossy``, ``emissive`` and ``tested``
+    (alpha-tested) surfaces.
     """
     names = frozenset({"motion", "object_id", "roughness", "emission"})
     low = probe.renderer.low(shot, SCALE, (0.0, 0.0), 0.0, names)
@@ -43,26 +45,28 @@ def speeds(probe: Probe, shot: Shot) -> dict[str, NDArray]:
 
 
 def interface_share(scene: Scene, shots: list[Shot]) -> float:
-    """The share of pixels that show an element of the interface."""
+    """Return the share of pixels that show an element of the interface."""
     if not any(m.interface for m in scene.materials):
         return 0.0
     with Probe(interface_drawn(scene)) as drawn:
         materials = [scene.materials[scene.meshes[o.meshes[0]].material] for o in drawn.scene.objects]
         marked = np.array([False, *(m.interface for m in materials)])
-        shown = [
-            drawn.renderer.low(shot, SCALE, (0.0, 0.0), 0.0, frozenset({"object_id"}))["object_id"] for shot in shots
-        ]
-    return float(np.mean([marked[ids.astype(np.intp)].mean() for ids in shown]))
+        names = frozenset({"object_id"})
+        frames = [drawn.renderer.low(shot, SCALE, (0.0, 0.0), 0.0, names)["object_id"] for shot in shots]
+    return float(np.mean([marked[ids.astype(np.intp)].mean() for ids in frames]))
 
 
 def shadow_change(probe: Probe, shot: Shot) -> tuple[int, int]:
-    """Standing pixels whose displayed colour changes by over 2/255 within 0.25 s before a camera that stands, and all standing.
+    """Return the number of static pixels whose displayed colour changes by over 2/255, and of all static pixels.
 
-    Nothing else changes there: lights and materials are constant, so it is shadows.
+    The change is over 0.25 s before a camera that stands still. Lights and materials are constant, so that only shadows
+    change there.
     """
-    names, (now, then) = frozenset({"color", "object_id", "depth"}), _standing(shot)
+    names, camera, earlier = frozenset({"color", "object_id", "depth"}), shot.camera, shot.seconds - SHADOW_SECONDS
+    now = Shot(camera, camera, shot.seconds, shot.seconds, shot.window)
+    before = Shot(camera, camera, earlier, earlier, shot.window)
     a = probe.renderer.low(now, SCALE, (0.0, 0.0), 0.0, names)
-    b = probe.renderer.low(then, SCALE, (0.0, 0.0), 0.0, names)
+    b = probe.renderer.low(before, SCALE, (0.0, 0.0), 0.0, names)
     ids = a["object_id"][..., 0].astype(np.intp)
     still = (ids > 0) & ~probe.moves[ids] & (a["object_id"] == b["object_id"])[..., 0]
     still &= (a["depth"] == b["depth"])[..., 0]
@@ -70,22 +74,14 @@ def shadow_change(probe: Probe, shot: Shot) -> tuple[int, int]:
     return int((changed & still).sum()), int(still.sum())
 
 
-def _standing(shot: Shot) -> tuple[Shot, Shot]:
-    camera, seconds = shot.camera, shot.seconds
-    earlier = seconds - SHADOW_SECONDS
-    return (
-        Shot(camera, camera, seconds, seconds, shot.window),
-        Shot(camera, camera, earlier, earlier, shot.window),
-    )
-
-
 def detail(probe: Probe, shot: Shot) -> dict[str, Mask]:
-    """What a low-resolution pixel cannot hold, as masks of a whole frame.
+    """Return masks of detail that low-resolution pixels cannot represent, for a whole frame.
 
-    ``texture`` (low-resolution): the albedo of its 4 x 4 target pixels, which all lie on one surface, varies by over 20%.
-    ``thin`` (target pixels): a part in front of what is 4 target pixels to either side of it, or above and below.
-    ``beat`` (low-resolution): albedo sampled once a pixel, at the mip level of the target, is off by over 8% even when
-    averaged over 15 x 15 pixels: a pattern that beats with the pixel grid. ``solid`` (low-resolution): surfaces alone.
+    ``texture`` (low resolution): the pixel's 4 x 4 target pixels lie on one surface and their albedo varies by over
+    20%. ``thin`` (target pixels): the pixel is in front of both pixels that are 4 target pixels to its sides, or above
+    and below. ``beat`` (low resolution): albedo with one sample per pixel, at the mip level of the target, is off by
+    over 8% even after averaging over 15 x 15 pixels, because a pattern beats with the pixel grid. ``solid`` (low
+    resolution): the pixel shows a surface.
     """
     full = probe.samples(shot, 0.0, "albedo", "depth", "object_id")
     ids, inverse = full["object_id"][..., 0], probe.inverse_depth(full["depth"])
@@ -94,14 +90,14 @@ def detail(probe: Probe, shot: Shot) -> dict[str, Mask]:
     for before, after in shifted(inverse, SCALE):
         thin |= inverse > (1.0 + _JUMP) * np.maximum(before, after)
     first, ahead = _blocks(ids), _blocks(inverse)
-    one = (first.min(axis=-1) == first.max(axis=-1)) & (first.min(axis=-1) > 0)
-    one &= ahead.max(axis=-1) < (1.0 + _JUMP) * ahead.min(axis=-1)
+    single = (first.min(axis=-1) == first.max(axis=-1)) & (first.min(axis=-1) > 0)
+    single &= ahead.max(axis=-1) < (1.0 + _JUMP) * ahead.min(axis=-1)
     mean, spread = _blocks(grey).mean(axis=-1), _blocks(grey).std(axis=-1)
     names = frozenset({"albedo"})
     sampled = probe.renderer.low(shot, SCALE, (0.0, 0.0), -float(np.log2(SCALE)), names)["albedo"].mean(axis=-1)
     off = np.abs(uniform_filter(sampled.astype(np.float64) - mean, 15))
     return {
-        "texture": one & (spread > CONTRAST * mean),
+        "texture": single & (spread > CONTRAST * mean),
         "thin": thin,
         "beat": off > BEAT * np.maximum(uniform_filter(mean, 15), 1e-3),  # the sky has no albedo
         "solid": first.min(axis=-1) > 0,
@@ -109,40 +105,39 @@ def detail(probe: Probe, shot: Shot) -> dict[str, Mask]:
 
 
 def _blocks(image: NDArray) -> NDArray:
-    """``(H, W)`` to ``(H / 4, W / 4, 16)``."""
+    """Rearrange ``(H, W)`` to ``(H / 4, W / 4, 16)``."""
     height, width = image.shape[0] // SCALE, image.shape[1] // SCALE
     parts = image.reshape(height, SCALE, width, SCALE).swapaxes(1, 2)
     return parts.reshape(height, width, SCALE * SCALE)
 
 
-def gradient_energy(values: Matrix, chosen: Mask) -> float:
-    """Mean of the squared differences of ``log(1 + v / mean)`` between neighbours ``(h, w, C)`` that are both ``chosen``.
+def gradient_energy(values: Matrix, selected: Mask) -> float:
+    """Return the mean squared difference of ``log(1 + v / mean)`` between ``selected`` neighbours ``(h, w, C)``.
 
-    The same for any multiple of ``v``; the logarithm keeps a few highlights from deciding. 0 where all is black.
+    It does not change if ``v`` is scaled; the logarithm limits the influence of a few highlights. 0 if all is black.
     """
-    mean = values[chosen].mean() if chosen.any() else 0.0
+    mean = values[selected].mean() if selected.any() else 0.0
     if mean <= 0.0:
         return 0.0
-    scaled = np.log1p(np.where(chosen[..., None], values, 0.0) / mean)
+    scaled = np.log1p(np.where(selected[..., None], values, 0.0) / mean)
     total, count = 0.0, 0
     for axis in (0, 1):
-        both = chosen.take(range(1, chosen.shape[axis]), axis) & chosen.take(range(chosen.shape[axis] - 1), axis)
-        total += float((np.diff(scaled, axis=axis)[both] ** 2).sum())
-        count += int(both.sum()) * values.shape[-1]
+        length = selected.shape[axis]
+        pairs = selected.take(range(1, length), axis) & selected.take(range(length - 1), axis)
+        total += float((np.diff(scaled, axis=axis)[pairs] ** 2).sum())
+        count += int(pairs.sum()) * values.shape[-1]
     return total / max(count, 1)
 
 
 def lighting_energy(probe: Probe, shot: Shot, samples: int = 2) -> tuple[float, float]:
-    """Gradient energy of lighting and of radiance over the shot's window of target pixels, on surfaces that do not emit."""
+    """Return the gradient energies of lighting and of radiance in the shot's window, on surfaces that do not emit."""
     names = frozenset({"target_radiance", "high_material", "high_emission"})
     high = probe.renderer.high(shot, samples, 0.0, names)
     radiance, material, emission = (high[n] for n in ("target_radiance", "high_material", "high_emission"))
     lighting = demodulate(*(_planes(b) for b in (radiance, material, emission)))[0].permute(1, 2, 0).numpy()
-    chosen = (emission.max(axis=-1) == 0.0) & (material.min(axis=-1) >= MIN_MATERIAL)
-    return (
-        gradient_energy(lighting.astype(np.float64), chosen),
-        gradient_energy(radiance.astype(np.float64), chosen),
-    )
+    selected = (emission.max(axis=-1) == 0.0) & (material.min(axis=-1) >= MIN_MATERIAL)
+    energy = gradient_energy(lighting.astype(np.float64), selected)
+    return energy, gradient_energy(radiance.astype(np.float64), selected)
 
 
 def _planes(image: Image) -> torch.Tensor:
@@ -150,6 +145,6 @@ def _planes(image: Image) -> torch.Tensor:
 
 
 def middle(shot: Shot, width: int = 512, height: int = 288) -> Shot:
-    """The middle of a whole 1080p frame, in target pixels."""
+    """Return the shot of the middle of a whole 1080p frame, in target pixels."""
     x, y = (FRAME[0] - width) // 2, (FRAME[1] - height) // 2
     return replace(shot, window=replace(whole(1), x=x, y=y, width=width, height=height))

@@ -1,6 +1,6 @@
-"""A scene under measurement: seeded shots of its routes, object ids that tell meshes apart, and positions in float64.
+"""Scene under measurement: seeded shots of its routes, object ids that distinguish meshes, and positions in float64.
 
-Nothing here reads motion vectors: where a point was comes from its depth, the cameras and the objects' own transforms.
+No motion vectors are read: a point's previous position comes from its depth, the cameras and the objects' transforms.
 """
 
 from collections.abc import Iterator
@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from supersampling.render import matrices
 from supersampling.render.camera import Matrix, Shot, Window
 from supersampling.render.gpu_scene import in_world
-from supersampling.render.paths import camera_path, routes_of
+from supersampling.render.paths import camera_path, split_routes
 from supersampling.render.renderer import Image, Renderer
 from supersampling.scenes.scene import Object, Scene
 
 FRAME = (1920, 1080)  # the target's frame
-_FRAMES, _MOMENT = 24, 8  # a shot is this frame of a path of so many: a walk that stops has not yet stopped
+_FRAMES, _MOMENT = 24, 8  # a shot is frame 8 of a path of 24: a walk that stops has not stopped yet
 
 Ids = NDArray[np.intp]
 Mask = NDArray[np.bool_]
@@ -28,22 +28,25 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Where the surface under each pixel was: ``uv (h, w, 2)`` in the previous frame's window, from 0 to 1 within it, and
-    ``inverse (h, w)``, the inverse of its view depth in metres then, 0 for the sky and negative behind the camera."""
+    """Previous positions of the surface under each pixel.
+
+    ``uv (h, w, 2)`` is in the previous frame's window, between 0 and 1 inside it; ``inverse (h, w)`` is the inverse of
+    the previous view depth in 1/m, 0 for the sky and negative behind the camera.
+    """
 
     uv: Matrix
     inverse: Matrix
 
 
 def by_mesh(scene: Scene) -> tuple[Scene, Ids]:
-    """The scene with one object a mesh, and for each new object id the old one (0, the sky, stays).
+    """Return the scene with one object per mesh, and the original object id of each new one (the sky's 0 stays).
 
-    Elements of the interface, which have neither depth nor motion, are left out.
+    Elements of the interface are left out: they have neither depth nor motion.
     """
     owners = [
         (k, m)
-        for k, thing in enumerate(scene.objects)
-        for m in thing.meshes
+        for k, item in enumerate(scene.objects)
+        for m in item.meshes
         if not scene.materials[scene.meshes[m].material].interface
     ]
     objects = [replace(scene.objects[k], meshes=(m,)) for k, m in owners]
@@ -51,18 +54,18 @@ def by_mesh(scene: Scene) -> tuple[Scene, Ids]:
 
 
 def interface_drawn(scene: Scene) -> Scene:
-    """The scene with its interface as ordinary surfaces, so that object ids show it."""
+    """Return the scene with its interface as ordinary surfaces, so that object ids show it."""
     return replace(scene, materials=[replace(m, interface=False) for m in scene.materials])
 
 
 def seeded_shots(scene: Scene, count: int) -> list[Shot]:
-    """``count`` whole frames: every second one of the test routes, the others of the training routes, each route in turn."""
+    """Return ``count`` shots of whole frames, alternately of test and training routes, each route in turn."""
     rng = np.random.default_rng(crc32(scene.name.encode()))
-    order = {split: rng.permutation(len(routes_of(scene, split))) for split in ("test", "train")}
+    order = {split: rng.permutation(len(split_routes(scene, split))) for split in ("test", "train")}
     shots = []
     for k in range(count):
         split = ("test", "train")[k % 2]
-        routes = routes_of(scene, split)
+        routes = split_routes(scene, split)
         route = routes[order[split][(k // 2) % len(routes)]]
         path = camera_path(route, rng, _FRAMES)
         a, b = _MOMENT, _MOMENT - 1
@@ -71,7 +74,7 @@ def seeded_shots(scene: Scene, count: int) -> list[Shot]:
 
 
 def standing(scene: Scene, paths: int = 60, frames: int = 60) -> tuple[float, float]:
-    """The shares of paths whose camera never moves, and of frames whose camera is exactly where it was, over all routes."""
+    """Return the shares of paths whose camera never moves and of frames whose camera has not moved, over all routes."""
     rng = np.random.default_rng(0)
     still = np.empty((paths, frames - 1), dtype=bool)
     for k in range(paths):
@@ -81,13 +84,13 @@ def standing(scene: Scene, paths: int = 60, frames: int = 60) -> tuple[float, fl
 
 
 def whole(samples: int) -> Window:
-    """The whole 1080p frame with ``samples`` x ``samples`` in each of its pixels."""
+    """Return the window of a whole 1080p frame with ``samples`` x ``samples`` per pixel."""
     width, height = FRAME[0] * samples, FRAME[1] * samples
     return Window(width, height, 0, 0, width, height)
 
 
 def around(x: float, y: float, side: int, samples: int) -> Window:
-    """A square window of ``side`` samples about the place ``x, y`` (from 0 to 1) of the frame, all of it inside."""
+    """Return a square window of ``side`` samples around ``x, y`` (in [0, 1]), moved to lie inside the frame."""
     width, height = FRAME[0] * samples, FRAME[1] * samples
     left = int(np.clip(x * width - side / 2, 0, width - side))
     top = int(np.clip(y * height - side / 2, 0, height - side))
@@ -95,15 +98,15 @@ def around(x: float, y: float, side: int, samples: int) -> Window:
 
 
 def backwards(shot: Shot) -> Shot:
-    """The previous instant, itself its own predecessor."""
+    """Return the shot of the previous instant, which is also its own previous instant."""
     return Shot(shot.previous_camera, shot.previous_camera, shot.previous_seconds, shot.previous_seconds, shot.window)
 
 
 class Probe:
-    """Renders a scene for measurement. A context manager.
+    """Renderer of a scene under measurement, a context manager.
 
-    ``owner``, ``moves`` and ``tested`` say for each object id of its renders the scene's own object, whether it moves, and
-    whether its material is alpha-tested; entry 0 is the sky.
+    For each object id of its renders, ``owner`` is the scene's original object id, ``moves`` whether it moves, and
+    ``tested`` whether its material is alpha-tested; entry 0 is the sky.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -115,31 +118,31 @@ class Probe:
         self.tested: Mask = np.array([False, *(m.alpha != "opaque" for m in materials)])
 
     def samples(self, shot: Shot, mip_bias: float, *names: str) -> dict[str, Image]:
-        """One sample at the centre of each pixel of the shot's window."""
+        """Render one sample at the centre of each pixel of the shot's window."""
         return self.renderer.low(shot, 1, (0.0, 0.0), mip_bias, frozenset(names))
 
     def inverse_depth(self, depth: Image) -> Matrix:
-        """``(h, w)`` inverse view depth in 1/m, 0 for the sky."""
+        """Return the inverse view depth ``(h, w)`` in 1/m, 0 for the sky."""
         near, far = self.scene.near, self.scene.far
         metres = near + (far - near) * depth[..., 0].astype(np.float64)
         return np.where(depth[..., 0] < 1.0, 1.0 / metres, 0.0)
 
     def previous(self, shot: Shot, size: tuple[int, int], inverse: Matrix, ids: Ids) -> Points:
-        """Where each pixel's point was, from its inverse depth ``(h, w)`` and object id ``(h, w)``; ``size`` is ``(w, h)``."""
-        rays, eye = _rays(shot, size), matrices.eye_of(shot.camera.view)
+        """Return previous positions of pixels from inverse depths and object ids ``(h, w)``; ``size`` is ``(w, h)``."""
+        rays, eye = _rays(shot, size), matrices.eye_position(shot.camera.view)
         sky = inverse == 0.0
         # The sky is a direction: a point at infinity, whose last homogeneous coordinate is 0.
         points = np.where(sky[..., None], rays, eye + rays / np.where(sky, 1.0, inverse)[..., None])
         for k in np.unique(ids[self.moves[ids]]):
-            here = ids == k
+            mask = ids == k
             back = _step_back(self.scene.objects[k - 1], shot)
-            points[here] = points[here] @ back[:3, :3].T + back[:3, 3]
+            points[mask] = points[mask] @ back[:3, :3].T + back[:3, 3]
         view = shot.previous_camera.view
         seen = points @ view[:3, :3].T + np.where(sky[..., None], 0.0, view[:3, 3])
         near, far = self.scene.near, self.scene.far
         to_clip = matrices.window_projection(shot.previous_camera, shot.window, near, far)
         ahead = -seen[..., 2]
-        safe = np.where(np.abs(ahead) < 1e-9, 1e-9, ahead)  # in the plane of the camera itself: far outside the image
+        safe = np.where(np.abs(ahead) < 1e-9, 1e-9, ahead)  # points in the camera's plane are far outside the image
         uv = (seen @ to_clip[:2, :3].T / safe[..., None]) / 2.0 + 0.5
         return Points(uv, np.where(sky, 0.0, 1.0 / safe))
 
@@ -153,9 +156,9 @@ class Probe:
 
 
 def _rays(shot: Shot, size: tuple[int, int]) -> Matrix:
-    """``(h, w, 3)`` world rays of unit view depth through the pixels' centres."""
+    """Return world rays ``(h, w, 3)`` of unit view depth through the pixels' centres."""
     width, height = size
-    # Near and far do not enter a ray.
+    # Rays do not depend on the near and far planes.
     projection = matrices.window_projection(shot.camera, shot.window, 1.0, 2.0)
     basis = matrices.ray_basis(shot.camera.view, projection)
     y, x = np.mgrid[0:height, 0:width] + 0.5
@@ -163,15 +166,15 @@ def _rays(shot: Shot, size: tuple[int, int]) -> Matrix:
     return np.asarray(ndc @ basis.T, np.float64)
 
 
-def _step_back(thing: Object, shot: Shot) -> Matrix:
-    """World now to world then of a moving object ``(4, 4)``."""
-    now = in_world(thing, shot.seconds, shot.camera.view)
-    then = in_world(thing, shot.previous_seconds, shot.previous_camera.view)
-    return np.asarray(then @ np.linalg.inv(now), np.float64)
+def _step_back(item: Object, shot: Shot) -> Matrix:
+    """Return the ``(4, 4)`` matrix from current to previous world positions of a moving object's points."""
+    now = in_world(item, shot.seconds, shot.camera.view)
+    before = in_world(item, shot.previous_seconds, shot.previous_camera.view)
+    return np.asarray(before @ np.linalg.inv(now), np.float64)
 
 
 def shifted(values: NDArray, reach: int = 1) -> Iterator[tuple[NDArray, NDArray]]:
-    """``values (h, w)`` seen from ``reach`` pixels to the left and right, then above and below; edges repeat."""
+    """Yield ``values (h, w)`` shifted by ``reach`` pixels to the left and right, then up and down; edges repeat."""
     for axis in (1, 0):
         wide = np.pad(values, [(reach, reach) if k == axis else (0, 0) for k in range(values.ndim)], mode="edge")
         length = values.shape[axis]

@@ -1,4 +1,4 @@
-// The G-buffer of the sky: directions at infinity move with the camera's rotation alone.
+// The G-buffer of the sky: directions at infinity move only with the camera's rotation.
 uniform mat3 homography;  // current (x, y, 1) to previous (x, y, w)
 uniform vec2 size;
 uniform vec2 jitter;

@@ -1,6 +1,6 @@
-// Metallic-roughness reflectance as NSRD has it (supplement, equations 1 to 10), times pi, because light colours are
+// Metallic-roughness reflectance of NSRD (supplement, equations 1 to 10), times pi, because light colours are
 // irradiance / pi: GGX distribution, Schlick's Fresnel and shadowing-masking, a Lambertian diffuse term.
-const float MIN_ROUGHNESS = 0.08;  // a mirror of a point-like light has no finite highlight
+const float MIN_ROUGHNESS = 0.08;  // a perfect mirror has no finite highlight of a point light
 
 struct Surface {
     vec3 diffuse;  // (1 - m) c

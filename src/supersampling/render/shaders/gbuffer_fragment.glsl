@@ -49,7 +49,7 @@ void main() {
 #endif
     out_depth = (1.0 / gl_FragCoord.w - depth_range.x) * depth_range.y;
 #ifdef MOTION
-    // A point behind the previous camera has no place in its image; a far-away one stands for it.
+    // A point behind the previous camera has no position in its image: use a far-away position.
     vec2 moved = 0.5 * (previous.xy / max(previous.z, 1e-4) - current.xy / current.z);
     out_motion = vec4(moved, previous.z, 1.0);
 #endif

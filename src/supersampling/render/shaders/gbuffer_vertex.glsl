@@ -43,7 +43,7 @@ void main() {
 #endif
 #ifdef SHADE
     vec3 x = in_model_0.xyz, y = in_model_1.xyz, z = in_model_2.xyz;  // rows
-    // Cofactors: right under non-uniform scale; their sign follows the determinant.
+    // Cofactors: correct under non-uniform scale; their sign is that of the determinant.
     mat3 cofactors = mat3(cross(y, z), cross(z, x), cross(x, y));  // columns are the cofactor matrix's rows
     float winding = sign(dot(x, cross(y, z)));
     normal = winding * (in_normal * cofactors);

@@ -28,7 +28,8 @@ vec3 point_light(int i, Surface s, vec3 position, vec3 offset) {
         float cone = clamp(lights.spot[i].w - dot(lights.spot[i].xyz, to_light) * inversesqrt(square), 0.0, 1.0);
         float light = fade * fade / square * cone * cone;
         for (int k = 0; k < (row >= 0.0 ? 1 : 0); k++) light *= cube_tap(cubes, floor(row), radius, from_light);
-        for (int k = 0; k < (fract(row) > 0.25 ? 1 : 0); k++) light *= cube_tap(moving_cubes, floor(row), radius, from_light);
+        for (int k = 0; k < (fract(row) > 0.25 ? 1 : 0); k++)
+            light *= cube_tap(moving_cubes, floor(row), radius, from_light);
         sum = reflected(s, to_light * inversesqrt(square)) * lights.intensity[i].rgb * light;
     }
     return sum;

@@ -1,5 +1,5 @@
-// Light reaching a point, from shadow maps. Loops that run once or not at all stand for `if`: a software
-// rasteriser evaluates both sides of an `if`, but leaves a loop when no pixel is in it.
+// Light that reaches a point, from shadow maps. Loops that run at most once replace `if`: a software rasteriser
+// evaluates both sides of an `if`, but skips a loop that no pixel enters.
 uniform sampler2DShadow sun_near;    // static geometry around the camera
 uniform sampler2DShadow sun_far;     // static geometry of the whole scene
 uniform sampler2DShadow sun_moving;  // moving objects, near region
@@ -31,10 +31,10 @@ float sun_light(vec3 position, vec3 normal, float eye_distance) {
     return mix(near_light, far_light, far_weight);
 }
 
-uniform sampler2DShadow cubes;         // six tiles a row, one row a light; static geometry
-uniform sampler2DShadow moving_cubes;  // the same of moving objects
+uniform sampler2DShadow cubes;         // six tiles per row, one row per light; static geometry
+uniform sampler2DShadow moving_cubes;  // the same for moving objects
 uniform mat3 cube_faces[6];            // world to face: right, up, forward
-uniform vec2 cube_tile;                // half extent of a face on its tile (the rest is margin for the filter), near plane
+uniform vec2 cube_tile;                // half extent of a face on its tile (the rest is filter margin), near plane
 
 float cube_tap(sampler2DShadow map, float row, float radius, vec3 from_light) {
     vec3 a = abs(from_light);

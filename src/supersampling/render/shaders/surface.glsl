@@ -1,8 +1,8 @@
-// What the G-buffer holds of a pixel.
+// Contents of the G-buffer at a pixel.
 uniform sampler2D depth_map;
 uniform sampler2D albedo_map;    // linear albedo, roughness
 uniform sampler2D normal_map;    // world normal, metallic
-uniform sampler2D emission_map;  // linear radiance; a = 1: an element of the interface, which emits and does nothing else
+uniform sampler2D emission_map;  // linear radiance; a = 1: an element of the interface, which only emits
 
 uniform mat3 rays;  // (x, y, 1) of clip space to the ray of unit view depth
 uniform vec2 size;

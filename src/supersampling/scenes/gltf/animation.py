@@ -1,4 +1,4 @@
-"""Node animation: keyframes of translation, rotation and scale, sampled at any time (specification, sections 3.11 and C)."""
+"""Node animation: keyframes of translation, rotation and scale, at any time (specification, sections 3.11 and C)."""
 
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
@@ -18,27 +18,29 @@ PATHS = {"translation": 3, "rotation": 4, "scale": 3}
 
 
 def slerp(a: Vector, b: Vector, t: float) -> Vector:
-    """Unit quaternions ``(x, y, z, w)`` along the shorter arc; nearly equal ones are mixed and normalised."""
+    """Interpolate unit quaternions ``(x, y, z, w)`` along the shorter arc; nearly equal ones linearly."""
     cosine = float(a @ b)
     if cosine < 0.0:
         b, cosine = -b, -cosine
-    if cosine > 0.9999995:  # an arc of less than 0.1 degrees: sines would be divided by next to nothing
+    if cosine > 0.9999995:  # arcs below 0.1 degrees: the sine in the denominator is nearly zero
         return _unit(a + t * (b - a))
     angle = np.arccos(cosine)
     return (np.sin((1.0 - t) * angle) * a + np.sin(t * angle) * b) / np.sin(angle)
 
 
 def _unit(quaternion: Vector) -> Vector:
-    # A quaternion of no length is no rotation.
+    # A quaternion without length means no rotation.
     length = float(np.linalg.norm(quaternion))
     return quaternion / length if length > 1e-12 else np.array((0.0, 0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """``times (K,)`` rising, ``values (K, n)``, or ``(K, 3, n)`` with tangents for CUBICSPLINE.
+class Keyframes:
+    """Keyframes of one property: rising ``times (K,)`` and ``values (K, n)``.
 
-    The animation that it is part of starts again every ``period`` seconds, its longest curve's last time.
+    Values are ``(K, 3, n)``, with tangents, for CUBICSPLINE.
+
+    The animation repeats every ``period`` seconds, the last time of its longest curve.
     """
 
     times: Vector
@@ -53,13 +55,13 @@ class Curve:
 
     @property
     def constant(self) -> bool:
-        """Whether all keys are the same and no tangent leads away from them."""
+        """Whether all keys are equal and all tangents zero."""
         if self.interpolation == "CUBICSPLINE":
             return bool((self.values[:, 1] == self.values[0, 1]).all()) and not self.values[:, (0, 2)].any()
         return bool((self.values == self.values[0]).all())
 
-    def at(self, seconds: float) -> Vector:
-        """The value ``(n,)``; held before the first key and after the last one."""
+    def value(self, seconds: float) -> Vector:
+        """Return the value ``(n,)``, constant before the first and after the last key."""
         t = seconds % self.period if self.period > 0.0 else 0.0
         n = bisect_right(self.keys, t) - 1
         if n < 0 or n >= len(self.keys) - 1:
@@ -86,9 +88,9 @@ class Curve:
 
 
 def local_matrix(translation: Vector, rotation: Vector, scale: Vector) -> Vector:
-    """``(4, 4)`` T R S of a unit quaternion ``(x, y, z, w)``.
+    """Return the matrix ``(4, 4)`` T R S; the rotation is a unit quaternion ``(x, y, z, w)``.
 
-    A scale of zero becomes a millionth, which shows the same: normals need a matrix that can be inverted.
+    A scale of zero becomes a millionth, which looks the same: normals need an invertible matrix.
     """
     x, y, z, w = rotation
     out = np.eye(4)
@@ -102,19 +104,19 @@ def local_matrix(translation: Vector, rotation: Vector, scale: Vector) -> Vector
     return out
 
 
-def moving_matrix(rest: Mapping[str, Vector], curves: Mapping[str, Curve]) -> Callable[[float], Vector]:
-    """Seconds to the local matrix of a node: its resting parts, some of them replaced by curves."""
+def moving_matrix(rest: Mapping[str, Vector], curves: Mapping[str, Keyframes]) -> Callable[[float], Vector]:
+    """Return a node's local matrix as a function of seconds: its parts at rest, some of them replaced by curves."""
 
-    def at(seconds: float) -> Vector:
-        parts = {path: curves[path].at(seconds) if path in curves else rest[path] for path in PATHS}
+    def matrix(seconds: float) -> Vector:
+        parts = {path: curves[path].value(seconds) if path in curves else rest[path] for path in PATHS}
         return local_matrix(parts["translation"], parts["rotation"], parts["scale"])
 
-    return at
+    return matrix
 
 
-def read_curves(document: Document, accessors: Accessors, notes: Notes) -> dict[int, dict[str, Curve]]:
-    """Curves by node and path. All animations play at once; where several move the same thing the first one does."""
-    found: dict[int, dict[str, Curve]] = {}
+def read_keyframes(document: Document, accessors: Accessors, notes: Notes) -> dict[int, dict[str, Keyframes]]:
+    """Return curves by node and path. All animations play at once; if several move the same property the first wins."""
+    curves: dict[int, dict[str, Keyframes]] = {}
     for number, animation in enumerate(document.gltf.animations):
         what = f"animation {number} of {document.name}"
         samplers = [(c, _sampler(animation, c.sampler, what)) for c in animation.channels]
@@ -123,14 +125,14 @@ def read_curves(document: Document, accessors: Accessors, notes: Notes) -> dict[
         for (channel, sampler), times in zip(samplers, inputs):
             node, path = channel.target.node, channel.target.path
             if node is None or path not in PATHS:
-                notes.add(f"animations of {path or 'what is not a node'} are left out")
+                notes.add(f"animations of {path or 'something other than a node'} are left out")
                 continue
             document.item("nodes", node)
-            if path in found.setdefault(node, {}):
-                notes.add("animations of what an earlier animation moves are left out")
+            if path in curves.setdefault(node, {}):
+                notes.add("animations of properties that an earlier animation moves are left out")
                 continue
-            found[node][path] = _curve(accessors, times, sampler, path, period, what)
-    return found
+            curves[node][path] = _curve(accessors, times, sampler, path, period, what)
+    return curves
 
 
 def _sampler(animation: Any, index: int, what: str) -> Any:
@@ -142,21 +144,21 @@ def _sampler(animation: Any, index: int, what: str) -> Any:
 def _times(accessors: Accessors, index: int, what: str) -> Vector:
     times = accessors.floats(index, 1)[:, 0].astype(np.float64)
     if not np.isfinite(times).all() or times[0] < 0.0 or (np.diff(times) <= 0.0).any():
-        raise UserError(f"The key times of {what} do not rise from zero on: the file is broken, export it again.")
+        raise UserError(f"The key times of {what} do not rise from zero: the file is broken, export it again.")
     return times
 
 
-def _curve(accessors: Accessors, times: Vector, sampler: Any, path: str, period: float, what: str) -> Curve:
+def _curve(accessors: Accessors, times: Vector, sampler: Any, path: str, period: float, what: str) -> Keyframes:
     kind = sampler.interpolation or "LINEAR"
     if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
-        raise UserError(f"The interpolation {kind!r} of {what} is unknown: use LINEAR, STEP or CUBICSPLINE.")
+        raise UserError(f"Unknown interpolation {kind} of {what}: use LINEAR, STEP or CUBICSPLINE.")
     values = accessors.floats(sampler.output, PATHS[path]).astype(np.float64)
-    each = 3 if kind == "CUBICSPLINE" else 1
-    if len(values) != each * len(times) or not np.isfinite(values).all():
+    per_key = 3 if kind == "CUBICSPLINE" else 1
+    if len(values) != per_key * len(times) or not np.isfinite(values).all():
         raise UserError(
             f"A {path} of {what} has {len(values)} values for {len(times)} keys, or some that are not finite: "
             "the file is broken, export it again."
         )
     if kind == "CUBICSPLINE":
         values = values.reshape(len(times), 3, -1)
-    return Curve(times, values, kind, path == "rotation", period)
+    return Keyframes(times, values, kind, path == "rotation", period)

@@ -1,4 +1,4 @@
-"""Which texture coordinates a texture reads, and how they are transformed (KHR_texture_transform)."""
+"""Texture coordinates of a texture and their transform (KHR_texture_transform)."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +11,7 @@ _REPEAT = 10497
 
 @dataclass(frozen=True)
 class Coordinates:
-    """``uv' = offset + rotation(scale * uv)`` of the set ``TEXCOORD_<number>``; ``repeats`` is the sampler's wrapping."""
+    """Transform ``uv' = offset + rotation(scale * uv)`` of ``TEXCOORD_<number>``; ``repeats`` is for wrapping."""
 
     number: int = 0
     offset: tuple[float, float] = (0.0, 0.0)
@@ -19,8 +19,11 @@ class Coordinates:
     scale: tuple[float, float] = (1.0, 1.0)
     repeats: bool = True
 
-    def applied(self, uv: NDArray[np.float32]) -> NDArray[np.float32]:
-        """``(N, 2)``. Counter-clockwise as seen with v down: the extension's example reads the lower left quadrant so."""
+    def apply(self, uv: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return transformed ``uv (N, 2)``.
+
+        Rotation is counter-clockwise with v down, as in the extension's example, which reads the lower left quadrant.
+        """
         if (self.offset, self.rotation, self.scale) == ((0.0, 0.0), 0.0, (1.0, 1.0)):
             return uv
         c, s = np.cos(self.rotation), np.sin(self.rotation)
@@ -29,7 +32,7 @@ class Coordinates:
 
 
 def coordinates(info: Any, sampler: Any) -> Coordinates:
-    """Of a textureInfo and its texture's sampler (``None`` where it has none)."""
+    """Return the coordinates of a textureInfo and its texture's sampler (None without one)."""
     transform = (info.extensions or {}).get("KHR_texture_transform", {})
     wraps = (_REPEAT,) if sampler is None else (sampler.wrapS or _REPEAT, sampler.wrapT or _REPEAT)
     u, v = transform.get("offset", (0.0, 0.0))

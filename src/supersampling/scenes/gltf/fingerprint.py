@@ -1,4 +1,4 @@
-"""What decides a glTF file's picture: its own bytes and those of every file that it refers to."""
+"""Fingerprint of a glTF file: of its bytes and of those of every file that it refers to."""
 
 import hashlib
 from pathlib import Path
@@ -7,10 +7,12 @@ from supersampling.scenes.gltf.document import MALFORMED, Document, malformed
 
 
 def fingerprint(path: Path) -> str:
-    """16 hex digits of the content of a ``.gltf`` or ``.glb`` file with its buffers and images, wherever it lies.
+    """Return 16 hex digits of the content of a ``.gltf`` or ``.glb`` file with its buffers and images.
+
+    They do not depend on the file's location.
 
     Raises:
-        UserError: not a readable glTF 2.0 file, or one of its files is missing or outside its folder.
+        UserError: The file is not readable glTF 2.0, or one of its files is missing or outside its folder.
     """
     try:
         document = Document(path)

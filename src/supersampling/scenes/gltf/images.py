@@ -1,4 +1,4 @@
-"""Images of a glTF file: PNG and JPEG, as the specification allows, decoded by Pillow within limits."""
+"""Images of a glTF file: PNG and JPEG as in the specification, decoded by Pillow within limits."""
 
 import io
 import warnings
@@ -11,28 +11,28 @@ from supersampling.errors import UserError
 from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.scene import Texture
 
-LARGEST_SIDE = 16384  # pixels; larger ones are refused
-KEPT_SIDE = 4096  # pixels; larger ones are halved until they fit
+LARGEST_SIDE = 16384  # pixels; larger images are an error
+USED_SIDE = 4096  # pixels; larger images are halved until they fit
 
 
 class Images:
-    """Decodes each image once with alpha and once without, as far as asked for, so that materials share its array.
+    """Images decoded on first use, once with and once without alpha, so that materials share their arrays.
 
     Raises:
-        UserError: a missing file, one that is neither PNG nor JPEG, or damaged, or too large.
+        UserError: A file is missing, is neither PNG nor JPEG, is damaged, or is too large.
     """
 
     def __init__(self, document: Document) -> None:
         self._document = document
-        self.rgba, self.rgb = cache(self._rgba), cache(self._rgb)
+        self.rgba, self.rgb = cache(self._read_rgba), cache(self._read_rgb)
 
-    def _rgba(self, index: int) -> Texture:
-        """``(H, W, 4)`` uint8, as stored."""
-        return _decoded(self._bytes(index), f"image {index} of {self._document.name}")
+    def _read_rgba(self, index: int) -> Texture:
+        """Return ``(H, W, 4)`` uint8, as stored."""
+        return _decode(self._bytes(index), f"image {index} of {self._document.name}")
 
-    def _rgb(self, index: int) -> Texture:
-        """``(H, W, 3)`` uint8, as stored."""
-        return np.ascontiguousarray(self._rgba(index)[..., :3])
+    def _read_rgb(self, index: int) -> Texture:
+        """Return ``(H, W, 3)`` uint8, as stored."""
+        return np.ascontiguousarray(self._read_rgba(index)[..., :3])
 
     def _bytes(self, index: int) -> bytes:
         image = self._document.item("images", index)
@@ -45,7 +45,7 @@ class Images:
         return bytes(self._document.view(image.bufferView)[0])
 
 
-def _decoded(data: bytes, what: str) -> Texture:
+def _decode(data: bytes, what: str) -> Texture:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
@@ -53,19 +53,19 @@ def _decoded(data: bytes, what: str) -> Texture:
         if max(image.size) > LARGEST_SIDE:
             raise _too_large(what, f"{image.width}x{image.height} pixels")
         image.load()
-    except Image.DecompressionBombError as error:  # Pillow's limit on the area, told before anything is decoded
+    except Image.DecompressionBombError as error:  # Pillow's limit on the area, checked before decoding
         raise _too_large(what, str(error).partition(",")[0]) from error
     except Image.UnidentifiedImageError as error:
         raise UserError(f"The {what} is neither PNG nor JPEG: convert it to one of them.") from error
     except (OSError, SyntaxError, ValueError) as error:
         raise UserError(f"The {what} is damaged ({error}): export it again.") from error
-    while max(image.size) > KEPT_SIDE:
+    while max(image.size) > USED_SIDE:
         image = image.reduce(2)
     return _eight_bit(image)
 
 
 def _too_large(what: str, size: str) -> UserError:
-    return UserError(f"The {what} is too large ({size}): shrink it to {LARGEST_SIDE} pixels a side or less.")
+    return UserError(f"The {what} is too large ({size}): shrink it to at most {LARGEST_SIDE} pixels per side.")
 
 
 def _eight_bit(image: Image.Image) -> Texture:

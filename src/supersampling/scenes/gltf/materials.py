@@ -1,4 +1,4 @@
-"""glTF's materials in the scene's terms (specification, section 3.9)."""
+"""Conversion of glTF's materials to the scene's (specification, section 3.9)."""
 
 from dataclasses import replace
 from typing import Any, Literal
@@ -15,32 +15,33 @@ from supersampling.scenes.scene import Material, Texture
 
 _ALPHA: dict[str, Literal["opaque", "test", "blend"]] = {"OPAQUE": "opaque", "MASK": "test", "BLEND": "blend"}
 
-_BRIGHTEST = 6e4  # radiance that a half float still holds
+_BRIGHTEST = 6e4  # radiance that a half float can represent
 _WHITE: Texture = np.full((1, 1, 3), 255, np.uint8)
 
 
-class Materials:
-    """Makes each material once. ``made`` are the scene's materials.
+class MaterialReader:
+    """Reader that converts each material once; ``materials`` are the scene's materials.
 
-    The scene's maps share one set of texture coordinates: that of the first of base colour, metallic-roughness, normal and
-    emissive texture. A map with other coordinates is left out, and noted; the emission goes with its map.
+    The maps of a material share one set of texture coordinates: that of the first of base colour, metallic-roughness,
+    normal and emissive texture. A map with other coordinates is left out and noted; an emission is left out with its
+    map.
     """
 
     def __init__(self, document: Document, notes: Notes) -> None:
-        self.made: list[Material] = []
+        self.materials: list[Material] = []
         self._document, self._notes = document, notes
         self._images = Images(document)
         self._known: dict[int | None, tuple[int, Coordinates]] = {}
 
     def number(self, index: int | None) -> tuple[int, Coordinates]:
-        """The place in ``made`` of ``materials[index]``, and where its textures are read; ``None`` is glTF's default material."""
+        """Return a material's index in ``materials`` and its texture coordinates; None is glTF's default material."""
         if index not in self._known:
-            made, where = self._make(index)
-            self._known[index] = (len(self.made), where)
-            self.made.append(made)
+            material, uv = self._read(index)
+            self._known[index] = (len(self.materials), uv)
+            self.materials.append(material)
         return self._known[index]
 
-    def _make(self, index: int | None) -> tuple[Material, Coordinates]:
+    def _read(self, index: int | None) -> tuple[Material, Coordinates]:
         if index is None:
             return Material("default", roughness=1.0, metallic=1.0), Coordinates()
         source = self._document.item("materials", index)
@@ -50,7 +51,8 @@ class Materials:
         mode = _ALPHA.get(source.alphaMode or "OPAQUE")
         if mode is None:
             raise UserError(
-                f"Material {index} of {self._document.name} has the alphaMode {source.alphaMode!r}: use OPAQUE, MASK or BLEND."
+                f"Material {index} of {self._document.name} has the unknown alphaMode {source.alphaMode}: "
+                "use OPAQUE, MASK or BLEND."
             )
         albedo = None if pbr is None else slots.image(pbr.baseColorTexture, alpha=mode != "opaque")
         surface = None if pbr is None else slots.image(pbr.metallicRoughnessTexture)
@@ -58,7 +60,7 @@ class Materials:
         strength = float(extensions.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0))
         emission, _ = self._factors(index, source.emissiveFactor or [0.0] * 3)
         albedo, cutoff = _alpha(albedo, alpha, mode, source.alphaCutoff)
-        made = Material(
+        material = Material(
             source.name or f"material {index}",
             albedo,
             slots.normal(source.normalTexture),
@@ -71,31 +73,32 @@ class Materials:
             double_sided=bool(source.doubleSided),
         )
         if "KHR_materials_unlit" in extensions:
-            made = _unlit(made)
+            material = _unlit(material)
         elif float(emission.max()) * strength > 0.0:
             glow = slots.glow(source.emissiveTexture)
             if glow is not None:
-                made = replace(made, glow=glow, emission=_triple(np.minimum(strength * emission, _BRIGHTEST)))
-        return made, slots.where or Coordinates()
+                material = replace(material, glow=glow, emission=_triple(np.minimum(strength * emission, _BRIGHTEST)))
+        return material, slots.coordinates or Coordinates()
 
     def _factors(self, index: int, values: list[float]) -> tuple[NDArray[np.float64], float]:
         numbers = np.array([float(v) for v in values])
         if len(numbers) not in (3, 4) or not np.isfinite(numbers).all():
             raise UserError(
-                f"Material {index} of {self._document.name} has the colour {values}: use finite numbers for red, green and blue."
+                f"Material {index} of {self._document.name} has the invalid colour {values}: "
+                "use finite numbers for red, green and blue."
             )
         return np.maximum(numbers[:3], 0.0), float(numbers[3]) if len(numbers) == 4 else 1.0
 
 
 class _Slots:
-    """Reads one material's textures; ``where`` is the coordinates that the first of them reads."""
+    """Texture slots of one material; ``coordinates`` are those of the first texture."""
 
     def __init__(self, document: Document, images: Images, notes: Notes) -> None:
-        self.where: Coordinates | None = None
+        self.coordinates: Coordinates | None = None
         self._document, self._images, self._notes = document, images, notes
 
     def image(self, info: Any, alpha: bool = False) -> Texture | None:
-        """``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; ``None`` where there is no texture or it cannot be used."""
+        """Return ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; None without a usable texture."""
         if info is None or info.index is None:
             return None
         texture = self._document.item("textures", info.index)
@@ -103,19 +106,19 @@ class _Slots:
             self._notes.add("textures without a PNG or JPEG image are left out")
             return None
         sampler = None if texture.sampler is None else self._document.item("samplers", texture.sampler)
-        where = coordinates(info, sampler)
-        if self.where is not None and where != self.where:
+        uv = coordinates(info, sampler)
+        if self.coordinates is not None and uv != self.coordinates:
             self._notes.add("textures with other coordinates than their material's first are left out")
             return None
-        self.where = where
+        self.coordinates = uv
         return self._images.rgba(texture.source) if alpha else self._images.rgb(texture.source)
 
     def glow(self, info: Any) -> Texture | None:
-        """White where the emission has no texture; ``None`` where it has one that cannot be used: all of it would glow."""
+        """Return white without an emissive texture, None if it cannot be used: the whole surface would glow."""
         return _WHITE if info is None or info.index is None else self.image(info)
 
     def normal(self, info: Any) -> Texture | None:
-        """A normal map, its slopes multiplied by ``scale``."""
+        """Return the normal map with its slopes multiplied by ``scale``."""
         texture = self.image(info)
         scale = 1.0 if info is None or info.scale is None else float(info.scale)
         if texture is None or scale == 1.0:
@@ -127,13 +130,13 @@ class _Slots:
 
 
 def _alpha(albedo: Texture | None, factor: float, mode: str, cutoff: float | None) -> tuple[Texture | None, float]:
-    """The albedo map and the cutoff on its alpha that stand for alpha = factor * texture.
+    """Return the albedo map and its alpha cutoff for alpha = factor * texture.
 
-    A test compares ``texture < cutoff / factor``; the alpha of what is blended goes into the texture.
+    A test compares ``texture < cutoff / factor``; the factor of blended materials is multiplied into the texture.
     """
     cutoff = 0.5 if cutoff is None else float(cutoff)
     if mode == "test":
-        # A factor of zero makes everything clear, unless nothing is clear enough for the cutoff.
+        # A factor of zero makes everything transparent, unless the cutoff is zero.
         return albedo, cutoff / factor if factor > 0.0 else (2.0 if cutoff > 0.0 else 0.0)
     if mode == "blend" and factor < 1.0:
         albedo = np.full((1, 1, 4), 255, np.uint8) if albedo is None else albedo.copy()
@@ -142,20 +145,20 @@ def _alpha(albedo: Texture | None, factor: float, mode: str, cutoff: float | Non
 
 
 def _swizzled(texture: Texture) -> Texture:
-    """glTF's G roughness and B metallic as R and G; B is white, which masks no emission."""
+    """Return roughness and metallic (G and B in glTF) as R and G; B is white, which masks no emission."""
     return np.dstack([texture[..., 1], texture[..., 2], np.full(texture.shape[:2], 255, np.uint8)])
 
 
-def _unlit(made: Material) -> Material:
-    """Its colour as emission. A black metal reflects next to nothing, so that the emission is all that is seen."""
+def _unlit(material: Material) -> Material:
+    """Return the material with its colour as emission: a black metal reflects almost nothing besides."""
     return replace(
-        made,
+        material,
         normal=None,
         surface=None,
         base_color=(0.0, 0.0, 0.0),
         roughness=1.0,
         metallic=1.0,
-        emission=made.base_color,
+        emission=material.base_color,
     )
 
 

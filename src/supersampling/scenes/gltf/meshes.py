@@ -1,4 +1,4 @@
-"""glTF's meshes as the scene's: triangles of a primitive, its attributes decoded (specification, section 3.7.2)."""
+"""Conversion of glTF's meshes to the scene's: triangles and attributes of primitives (specification, section 3.7.2)."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.accessors import Accessors
 from supersampling.scenes.gltf.document import Document
-from supersampling.scenes.gltf.materials import Materials
+from supersampling.scenes.gltf.materials import MaterialReader
 from supersampling.scenes.gltf.notes import Notes
-from supersampling.scenes.gltf.skins import deformed
+from supersampling.scenes.gltf.skins import deform
 from supersampling.scenes.scene import Mesh
 
 Floats = NDArray[np.float32]
@@ -20,52 +20,55 @@ Indices = NDArray[np.int64]
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 
-def triangulated(mode: int, corners: Indices) -> Indices:
-    """``(M, 3)`` triangles of ``(N,)`` vertex indices, wound as section 3.7.2.1 says; no degenerate ones of strips."""
+def triangulate(mode: int, corners: Indices) -> Indices:
+    """Return triangles ``(M, 3)`` of vertex indices ``(N,)``, wound as in section 3.7.2.1.
+
+    Degenerate triangles of strips and fans are left out.
+    """
     if mode == _TRIANGLES:
         return corners[: len(corners) // 3 * 3].reshape(-1, 3)
     i = np.arange(max(len(corners) - 2, 0))
     if mode == _STRIP:
-        picked = np.stack([i, i + 1 + i % 2, i + 2 - i % 2], axis=1)
+        order = np.stack([i, i + 1 + i % 2, i + 2 - i % 2], axis=1)
     else:
-        picked = np.stack([i + 1, i + 2, np.zeros_like(i)], axis=1)
-    triangles = corners[picked]
+        order = np.stack([i + 1, i + 2, np.zeros_like(i)], axis=1)
+    triangles = corners[order]
     a, b, c = triangles.T
     return triangles[(a != b) & (b != c) & (c != a)]
 
 
 @dataclass(frozen=True, eq=False)
 class _Vertices:
-    """Attributes of the vertices that a primitive uses, and its triangles among them."""
+    """Rows of the vertices that a primitive uses, and its triangles in terms of these rows."""
 
     rows: slice | Indices
     triangles: Indices
 
 
-class Meshes:
-    """Reads each mesh once; ``made`` are the scene's meshes. Joints are given as the matrices of a skin's rest pose."""
+class MeshReader:
+    """Reader that converts each mesh once; ``meshes`` are the scene's. Joints are matrices of a skin's rest pose."""
 
-    def __init__(self, document: Document, accessors: Accessors, materials: Materials, notes: Notes) -> None:
-        self.made: list[Mesh] = []
+    def __init__(self, document: Document, accessors: Accessors, materials: MaterialReader, notes: Notes) -> None:
+        self.meshes: list[Mesh] = []
         self.plain = cache(self._plain)
         self._document, self._accessors, self._materials, self._notes = document, accessors, materials, notes
 
     def _plain(self, index: int) -> tuple[int, ...]:
-        """Places in ``made`` of the triangles of ``meshes[index]``, one a primitive."""
+        """Return indices in ``meshes`` for the file's mesh, one per primitive."""
         return self._read(index, None)
 
     def skinned(self, index: int, joints: NDArray[np.float64]) -> tuple[int, ...]:
-        """The same under the joint matrices ``(J, 4, 4)`` of a skin, in world space."""
+        """Return the same as `plain` for a mesh under the joint matrices ``(J, 4, 4)`` of a skin, in world space."""
         return self._read(index, joints)
 
     def _read(self, index: int, joints: NDArray[np.float64] | None) -> tuple[int, ...]:
-        places = []
+        indices = []
         for number, primitive in enumerate(self._document.item("meshes", index).primitives):
             mesh = self._primitive(primitive, f"primitive {number} of mesh {index}", joints)
             if mesh is not None:
-                places.append(len(self.made))
-                self.made.append(mesh)
-        return tuple(places)
+                indices.append(len(self.meshes))
+                self.meshes.append(mesh)
+        return tuple(indices)
 
     def _primitive(self, primitive: Any, what: str, joints: NDArray[np.float64] | None) -> Mesh | None:
         mode = _TRIANGLES if primitive.mode is None else primitive.mode
@@ -82,40 +85,41 @@ class Meshes:
         vertices = self._vertices(primitive, mode, len(positions), what)
         if not len(vertices.triangles):
             return None
-        read = _Reader(self._accessors, attributes, vertices.rows, len(positions), f"{what} of {self._document.name}")
+        source = f"{what} of {self._document.name}"
+        reader = _AttributeReader(self._accessors, attributes, vertices.rows, len(positions), source)
         positions = positions[vertices.rows]
         if not np.isfinite(positions).all():
-            raise UserError(f"The positions of {what} of {self._document.name} are not all finite: export it again.")
-        normals = read.normals()
+            raise UserError(f"Some positions of {what} of {self._document.name} are not finite: export it again.")
+        normals = reader.normals()
         if joints is not None:
-            positions, normals = deformed(positions, normals, read.skin(), joints)
-        material, where = self._materials.number(primitive.material)
-        uv = where.applied(read.uv(where.number))
-        if not where.repeats and len(uv) and (uv.min() < -0.01 or uv.max() > 1.01):
+            positions, normals = deform(positions, normals, reader.skin(), joints)
+        material, coordinates = self._materials.number(primitive.material)
+        uv = coordinates.apply(reader.uv(coordinates.number))
+        if not coordinates.repeats and len(uv) and (uv.min() < -0.01 or uv.max() > 1.01):
             self._notes.add("textures that should not repeat do so beyond their edges")
-        return _mesh(positions, normals, uv, read.colors(), vertices.triangles, material)
+        return _mesh(positions, normals, uv, reader.colors(), vertices.triangles, material)
 
     def _vertices(self, primitive: Any, mode: int, count: int, what: str) -> _Vertices:
         if primitive.indices is None:
-            return _Vertices(slice(None), triangulated(mode, np.arange(count)))
+            return _Vertices(slice(None), triangulate(mode, np.arange(count)))
         corners = self._accessors.integers(primitive.indices)[:, 0]
         if int(corners.max()) >= count:
             raise UserError(
-                f"The indices of {what} of {self._document.name} reach vertex {int(corners.max())}, but there are {count} "
-                "vertices: the file is broken, export it again."
+                f"The indices of {what} of {self._document.name} reach vertex {int(corners.max())} of {count}: "
+                "the file is broken, export it again."
             )
-        # Primitives may share one large vertex buffer: only the vertices that this one uses are kept.
+        # Primitives may share one large vertex buffer: keep only the vertices that this one uses.
         first, last = int(corners.min()), int(corners.max())
         used = np.zeros(last + 1 - first, bool)
         used[corners - first] = True
         if used.all():
-            return _Vertices(slice(first, last + 1), triangulated(mode, corners - first))
+            return _Vertices(slice(first, last + 1), triangulate(mode, corners - first))
         renumbered = np.cumsum(used) - 1
-        return _Vertices(first + np.flatnonzero(used), triangulated(mode, renumbered[corners - first]))
+        return _Vertices(first + np.flatnonzero(used), triangulate(mode, renumbered[corners - first]))
 
 
-class _Reader:
-    """A primitive's attributes, at the vertices that it uses."""
+class _AttributeReader:
+    """Reader of a primitive's attributes at the vertices that it uses."""
 
     def __init__(
         self, accessors: Accessors, attributes: dict[str, Any], rows: slice | Indices, count: int, what: str
@@ -127,9 +131,9 @@ class _Reader:
         index = self._attributes.get(name)
         if index is None:
             return None
-        return self._checked(name, self._accessors.floats(index, *widths))
+        return self._select(name, self._accessors.floats(index, *widths))
 
-    def _checked(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+    def _select(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         if len(values) != self._count:
             raise UserError(
                 f"{name} of {self._what} has {len(values)} elements for {self._count} vertices: export it again."
@@ -149,16 +153,16 @@ class _Reader:
         return None if colors is None else np.clip(np.nan_to_num(colors[:, :3]), 0.0, 1.0)
 
     def skin(self) -> tuple[Indices, Floats] | None:
-        """Joints ``(N, 4)`` and weights ``(N, 4)`` of the first four influences."""
+        """Return the joints ``(N, 4)`` and weights ``(N, 4)`` of the first four influences."""
         weights = self._floats("WEIGHTS_0", 4)
         if weights is None or self._attributes.get("JOINTS_0") is None:
             return None
         joints = self._accessors.integers(self._attributes["JOINTS_0"], 4)
-        return self._checked("JOINTS_0", joints), weights
+        return self._select("JOINTS_0", joints), weights
 
 
 def unit(vectors: Floats) -> Floats:
-    """Unit vectors; one without length has no direction, and up stands for it."""
+    """Return unit vectors; a vector without length becomes up."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     up = np.array((0.0, 1.0, 0.0), np.float32)
     return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), up).astype(np.float32)
@@ -178,14 +182,15 @@ def _mesh(
         positions, uv = positions[order], uv[order]
         colors = None if colors is None else colors[order]
         a, b, c = positions[0::3], positions[1::3], positions[2::3]
-        normals = np.repeat(
-            unit(np.cross((b - a).astype(np.float64), (c - a).astype(np.float64)).astype(np.float32)),
-            3,
-            axis=0,
-        )
+        cross = np.cross((b - a).astype(np.float64), (c - a).astype(np.float64)).astype(np.float32)
+        normals = np.repeat(unit(cross), 3, axis=0)
         triangles = np.arange(len(order)).reshape(-1, 3)
     contiguous = np.ascontiguousarray
     return Mesh(
-        contiguous(positions, np.float32), contiguous(normals, np.float32), contiguous(uv, np.float32),
-        contiguous(triangles, np.uint32), material, None if colors is None else contiguous(colors, np.float32),
-    )  # fmt: skip
+        contiguous(positions, np.float32),
+        contiguous(normals, np.float32),
+        contiguous(uv, np.float32),
+        contiguous(triangles, np.uint32),
+        material,
+        None if colors is None else contiguous(colors, np.float32),
+    )

@@ -1,4 +1,4 @@
-"""The node hierarchy: where every node of the scene is, at rest and at any time (specification, section 3.5)."""
+"""Node hierarchy: transforms of the scene's nodes, at rest and at any time (specification, section 3.5)."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.errors import UserError
-from supersampling.scenes.gltf.animation import Curve, Vector, local_matrix, moving_matrix
+from supersampling.scenes.gltf.animation import Keyframes, Vector, local_matrix, moving_matrix
 from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.scene import Array, Transform
 
@@ -19,8 +19,8 @@ _IDENTITY = np.eye(4)
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
-    """A product of matrices, constant ones and functions of time, from the world inwards."""
+class NodeTransform:
+    """Product of matrices, either constant or functions of time, from the world inwards."""
 
     links: tuple[Link, ...] = ()
 
@@ -28,68 +28,68 @@ class Place:
     def moves(self) -> bool:
         return any(callable(link) for link in self.links)
 
-    def then(self, link: Link) -> "Place":
-        """A child's place; constant matrices that follow each other become one."""
+    def then(self, link: Link) -> "NodeTransform":
+        """Return the transform of a child; adjacent constant matrices are multiplied."""
         if not self.links or callable(link) or callable(self.links[-1]):
-            return Place((*self.links, link))
-        return Place((*self.links[:-1], self.links[-1] @ link))
+            return NodeTransform((*self.links, link))
+        return NodeTransform((*self.links[:-1], self.links[-1] @ link))
 
-    def under(self, root: Matrix) -> "Place":
-        """The same place in a world that ``root`` brings into another one."""
-        out = Place((root,))
+    def under(self, root: Matrix) -> "NodeTransform":
+        """Return this transform followed by the matrix ``root`` to another world."""
+        out = NodeTransform((root,))
         for link in self.links:
             out = out.then(link)
         return out
 
-    def at(self, seconds: float) -> Matrix:
-        """``(4, 4)`` to the world."""
+    def matrix(self, seconds: float) -> Matrix:
+        """Return the matrix ``(4, 4)`` to the world."""
         out = _IDENTITY
         for link in self.links:
             out = out @ (link(seconds) if callable(link) else link)
         return out
 
-    def transform(self) -> Array | Transform:
-        """As the scene has it: a constant float32 matrix, or a function of time."""
+    def scene_transform(self) -> Array | Transform:
+        """Return the scene's form: a constant float32 matrix, or a function of time."""
         if not self.moves:
-            return self.at(0.0).astype(np.float32)
-        return lambda seconds: self.at(seconds).astype(np.float32)
+            return self.matrix(0.0).astype(np.float32)
+        return lambda seconds: self.matrix(seconds).astype(np.float32)
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
-    """A node of the scene: pygltflib's object, where it is, and where it is at rest in its hierarchy."""
+class SceneNode:
+    """Node of the scene: pygltflib's object, its transform over time, and its matrix at rest, both to the world."""
 
     index: int
     node: Any
-    place: Place
+    transform: NodeTransform
     rest: Matrix
 
 
-def placed_nodes(document: Document, curves: Mapping[int, Mapping[str, Curve]]) -> list[Placed]:
-    """Every node below the default scene's, parents before children.
+def scene_nodes(document: Document, curves: Mapping[int, Mapping[str, Keyframes]]) -> list[SceneNode]:
+    """Return all nodes of the default scene, parents before children.
 
-    Without a default the first scene is taken, without scenes all nodes that are no one's children.
+    Without a default, use the first scene; without scenes, start from all nodes without a parent.
     """
     count = len(document.gltf.nodes)
-    waiting = [(index, Place(), _IDENTITY) for index in reversed(_roots(document))]
+    waiting = [(index, NodeTransform(), _IDENTITY) for index in reversed(_roots(document))]
     seen: set[int] = set()
-    found = []
+    nodes = []
     while waiting:
-        index, place, rest = waiting.pop()
+        index, transform, rest = waiting.pop()
         node = document.item("nodes", index)
         if index in seen:
             raise UserError(
-                f"Node {index} of {document.name} is its own ancestor or has two parents: glTF's nodes must be trees, "
+                f"Node {index} of {document.name} is its own ancestor or has two parents, but nodes must form trees: "
                 "export it again."
             )
         seen.add(index)
         local, moving = _local(document, index, curves.get(index, {}))
-        place, rest = place.then(local if moving is None else moving), rest @ local
-        found.append(Placed(index, node, place, rest))
-        waiting += [(child, place, rest) for child in reversed(node.children or [])]
+        transform, rest = transform.then(local if moving is None else moving), rest @ local
+        nodes.append(SceneNode(index, node, transform, rest))
+        waiting += [(child, transform, rest) for child in reversed(node.children or [])]
     if not document.gltf.scenes and len(seen) < count:
-        raise UserError(f"The nodes of {document.name} form a cycle: glTF's nodes must be trees, export it again.")
-    return found
+        raise UserError(f"The nodes of {document.name} form a cycle, but nodes must form trees: export it again.")
+    return nodes
 
 
 def _roots(document: Document) -> list[int]:
@@ -101,15 +101,15 @@ def _roots(document: Document) -> list[int]:
 
 
 def _local(
-    document: Document, index: int, curves: Mapping[str, Curve]
+    document: Document, index: int, curves: Mapping[str, Keyframes]
 ) -> tuple[Matrix, Callable[[float], Matrix] | None]:
-    """A node's resting matrix, and its matrix over time where it moves."""
+    """Return a node's matrix at rest, and its matrix as a function of time or None if it does not move."""
     node = document.gltf.nodes[index]
     if node.matrix is not None:
         if curves:
             raise UserError(
-                f"Node {index} of {document.name} is animated and has a matrix, which glTF forbids: export it with translation, "
-                "rotation and scale."
+                f"Node {index} of {document.name} is animated and has a matrix, which glTF forbids: "
+                "export it with translation, rotation and scale."
             )
         return _numbers(document, index, "matrix", node.matrix, 16).reshape(4, 4).T, None
     rest = {
@@ -121,17 +121,15 @@ def _local(
     rest["rotation"] = rest["rotation"] / length if length > 1e-12 else np.array((0.0, 0.0, 0.0, 1.0))
     local = local_matrix(rest["translation"], rest["rotation"], rest["scale"])
     moving = {path: curve for path, curve in curves.items() if not curve.constant}
-    rest |= {path: curve.at(0.0) for path, curve in curves.items() if curve.constant}
+    rest |= {path: curve.value(0.0) for path, curve in curves.items() if curve.constant}
     if not moving:
         return local_matrix(rest["translation"], rest["rotation"], rest["scale"]), None
-    # A moment is asked for once for every object below: the last few are kept.
+    # Every object below evaluates the same instants: cache the last few.
     return local, lru_cache(maxsize=4)(moving_matrix(rest, moving))
 
 
 def _numbers(document: Document, index: int, what: str, values: list[float], count: int) -> Vector:
     numbers = np.array([float(v) for v in values])
     if numbers.shape != (count,) or not np.isfinite(numbers).all():
-        raise UserError(
-            f"The {what} of node {index} of {document.name} should be {count} finite numbers, not {values}: export it again."
-        )
+        raise UserError(f"Invalid {what} {values} of node {index} of {document.name}: use {count} finite numbers.")
     return numbers

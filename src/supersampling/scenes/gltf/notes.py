@@ -1,11 +1,11 @@
-"""What of a file is drawn otherwise than it says: counted while it is read, and told once, as warnings."""
+"""Deviations of the drawn scene from its file: counted while reading, then reported as warnings."""
 
 import warnings
 from collections import Counter
 
 
 class Notes:
-    """`add` as often as something occurs, `tell` once."""
+    """Counters of deviations: call `add` for each occurrence and `warn` once at the end."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -14,8 +14,8 @@ class Notes:
     def add(self, what: str) -> None:
         self._counts[what] += 1
 
-    def tell(self) -> None:
-        """One `UserWarning` a kind."""
+    def warn(self) -> None:
+        """Issue one `UserWarning` per kind."""
         for what, count in self._counts.items():
             times = "" if count == 1 else f" ({count} times)"
             warnings.warn(f"{self._name}: {what}{times}.", UserWarning, stacklevel=3)

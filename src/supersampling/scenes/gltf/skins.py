@@ -1,4 +1,4 @@
-"""Skinned meshes in their rest pose: each vertex where the joints' default transforms put it (specification, section 3.7.3)."""
+"""Skinned meshes in their rest pose, under the joints' default transforms (specification, section 3.7.3)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,15 +6,15 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float32]
 
 
-def deformed(
+def deform(
     positions: Floats,
     normals: Floats | None,
     skin: tuple[NDArray[np.int64], Floats] | None,
     joints: NDArray[np.float64],
 ) -> tuple[Floats, Floats | None]:
-    """Positions ``(N, 3)`` and unit normals under the joint matrices ``(J, 4, 4)``, mixed by the weights.
+    """Return positions ``(N, 3)`` and unit normals under the joint matrices ``(J, 4, 4)``, mixed by the weights.
 
-    A vertex without weights goes with the first joint. A mesh without joints and weights comes back as it is.
+    A vertex without weights follows the first joint. A mesh without joints and weights is returned unchanged.
     """
     if skin is None:
         return positions, normals
@@ -23,7 +23,7 @@ def deformed(
         raise ValueError(f"a vertex is moved by joint {int(numbers.max())} of {len(joints)}")
     total = weights.sum(axis=1, keepdims=True)
     weights = np.where(total > 0.0, weights / np.maximum(total, 1e-12), [1.0, 0.0, 0.0, 0.0])
-    # One influence at a time: all at once would take 512 bytes a vertex.
+    # One influence at a time: all at once would take 512 bytes per vertex.
     mixed = np.zeros((len(positions), 4, 4))
     for k in range(4):
         mixed += weights[:, k, None, None] * joints[np.minimum(numbers[:, k], len(joints) - 1)]
@@ -31,7 +31,7 @@ def deformed(
     if normals is None:
         return placed.astype(np.float32), None
     a, b, c = mixed[:, 0, :3], mixed[:, 1, :3], mixed[:, 2, :3]
-    # Cofactors: right under non-uniform scale. Their sign is the determinant's, as in the renderer.
+    # Cofactors are correct under non-uniform scale. Their sign is that of the determinant, as in the renderer.
     turned = np.stack([(np.cross(*pair) * normals).sum(axis=1) for pair in ((b, c), (c, a), (a, b))], axis=1)
     turned *= np.where((a * np.cross(b, c)).sum(axis=1, keepdims=True) < 0.0, -1.0, 1.0)
     length = np.linalg.norm(turned, axis=1, keepdims=True)

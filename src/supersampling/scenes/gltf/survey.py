@@ -1,4 +1,4 @@
-"""What the routes and lights need to know of the geometry: its bounds, also in motion, and points spread over its surface."""
+"""Survey of the geometry for routes and lights: its bounds, also in motion, and points spread over its surface."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,21 +8,24 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from supersampling.scenes.gltf.nodes import Matrix, Place
+from supersampling.scenes.gltf.nodes import Matrix, NodeTransform
 from supersampling.scenes.scene import Mesh
 
 Points = NDArray[np.float64]
-# Seconds at which moving objects are looked at: within the first minute, in steps that fit no loop.
+# Seconds at which moving objects are sampled: in the first minute, in steps that match no animation's period.
 _MOMENTS = tuple((np.arange(40) * 0.618034 * 60.0 % 60.0).tolist())
-_PER_MESH = 2000  # triangles looked at, at most
+_PER_MESH = 2000  # sampled triangles, at most
 _SAMPLES = 16000
-_FEWER = 8  # every how many-th of them is enough to look around
-_TILES = 4  # a side of each face of the cube of directions
+_STRIDE = 8  # every 8th sample is enough for visibility
+_TILES = 4  # per side of each face of the cube of directions
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Survey:
-    """``lo, hi (3,)`` bounds; ``surface (N, 3)`` points at time 0, each for the same area, with unit ``normals (N, 3)``."""
+    """Bounds ``lo, hi (3,)`` and samples of the surface at time 0.
+
+    Each of the points ``surface (N, 3)`` represents an equal part of ``area``; ``normals (N, 3)`` are unit vectors.
+    """
 
     lo: Points
     hi: Points
@@ -40,37 +43,33 @@ class Survey:
 
     @property
     def radius(self) -> float:
-        """Of the sphere around the bounds; never zero."""
+        """Radius of the sphere around the bounds; never zero."""
         return max(0.5 * float(np.linalg.norm(self.hi - self.lo)), 1e-6)
 
     @property
     def spacing(self) -> float:
-        """How far samples of the surface are apart, in metres."""
+        """Distance between neighbouring samples of the surface, in metres."""
         return float(np.sqrt(self.area / len(self.surface)))
 
     def scaled(self, factor: float) -> "Survey":
-        return Survey(
-            self.lo * factor,
-            self.hi * factor,
-            self.surface * factor,
-            self.normals,
-            self.area * factor * factor,
-        )
+        lo, hi, surface = self.lo * factor, self.hi * factor, self.surface * factor
+        return Survey(lo=lo, hi=hi, surface=surface, normals=self.normals, area=self.area * factor * factor)
 
     def clearance(self, points: Points) -> Points:
-        """Distance ``(P,)`` of each point to the nearest sample of the surface."""
+        """Return the distance ``(P,)`` of each point to the nearest sample of the surface."""
         return np.asarray(self._tree.query(points)[0])
 
     def backs_seen(self, points: Points) -> Points:
-        """In what share of the directions from each point ``(P,)`` the nearest surface shows its back, in [0, 1].
+        """Return for each point ``(P,)`` the share of directions whose nearest surface shows its back, in [0, 1].
 
-        1 inside a solid, 0 in the open and in a room whose walls face inwards. A direction is a tile of a cube around the point.
+        It is 1 inside a solid, and 0 in the open and in a room whose walls face inwards. A direction is a tile of a
+        cube around the point.
         """
-        surface, normals = self.surface[::_FEWER], self.normals[::_FEWER]
+        surface, normals = self.surface[::_STRIDE], self.normals[::_STRIDE]
         shares = np.zeros(len(points))
         for k, point in enumerate(points):
             away = surface - point
-            # The farthest first: what is nearer in the same tile takes its place.
+            # Farthest first, so that nearer samples of the same tile overwrite it.
             order = np.argsort(-(away**2).sum(axis=1), kind="stable")
             nearest = np.full(6 * _TILES * _TILES, -1, np.int64)
             nearest[_tile(away[order])] = order
@@ -80,7 +79,7 @@ class Survey:
 
 
 def _tile(directions: Points) -> NDArray[np.int64]:
-    """Which of the ``6 * _TILES^2`` tiles of a cube each direction ``(N, 3)`` meets."""
+    """Return for each direction ``(N, 3)`` its tile among the ``6 * _TILES^2`` tiles of a cube."""
     axis = np.abs(directions).argmax(axis=1)
     rows = np.arange(len(directions))
     along = directions[rows, axis]
@@ -90,21 +89,21 @@ def _tile(directions: Points) -> NDArray[np.int64]:
     return ((2 * axis + (along > 0.0)) * _TILES + u) * _TILES + v
 
 
-def survey(meshes: Sequence[Mesh], placed: Sequence[tuple[tuple[int, ...], Place]]) -> Survey:
-    """Of meshes at their places; at least one triangle is needed."""
+def survey(meshes: Sequence[Mesh], instances: Sequence[tuple[tuple[int, ...], NodeTransform]]) -> Survey:
+    """Return the survey of mesh instances, which must have at least one triangle."""
     boxes = [np.stack([m.positions.min(axis=0), m.positions.max(axis=0)]).astype(np.float64) for m in meshes]
-    picks = [_picked(mesh) for mesh in meshes]
+    samples = [_sample(mesh) for mesh in meshes]
     lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
     corners, weights = [], []
-    for numbers, place in placed:
+    for numbers, transform in instances:
         box = np.concatenate([_corners(boxes[n]) for n in numbers])
-        for moment in _MOMENTS if place.moves else (0.0,):
-            moved = _moved(place.at(moment), box)
+        for moment in _MOMENTS if transform.moves else (0.0,):
+            moved = _transform(transform.matrix(moment), box)
             lo, hi = np.minimum(lo, moved.min(axis=0)), np.maximum(hi, moved.max(axis=0))
-        matrix = place.at(0.0)
+        matrix = transform.matrix(0.0)
         for n in numbers:
-            triangles, weight = picks[n]
-            corners.append(_moved(matrix, triangles.reshape(-1, 3)).reshape(-1, 3, 3))
+            triangles, weight = samples[n]
+            corners.append(_transform(matrix, triangles.reshape(-1, 3)).reshape(-1, 3, 3))
             weights.append(np.full(len(triangles), weight))
     return _spread(lo, hi, np.concatenate(corners), np.concatenate(weights))
 
@@ -115,18 +114,19 @@ def _spread(lo: Points, hi: Points, triangles: Points, weights: Points) -> Surve
     length = np.linalg.norm(cross, axis=1)
     areas = 0.5 * length * weights
     total = np.cumsum(areas)
-    # Equal steps of area; the place within a triangle goes by the golden ratio's multiples.
-    at = (np.arange(_SAMPLES) + 0.5) / _SAMPLES * total[-1]
-    k = np.minimum(np.searchsorted(total, at), len(total) - 1)
+    # Equal steps of area; positions within triangles follow multiples of a generalised golden ratio.
+    targets = (np.arange(_SAMPLES) + 0.5) / _SAMPLES * total[-1]
+    k = np.minimum(np.searchsorted(total, targets), len(total) - 1)
     u, v = (np.arange(_SAMPLES) * 0.7548776662) % 1.0, (np.arange(_SAMPLES) * 0.5698402910) % 1.0
     fold = u + v > 1.0
     u, v = np.where(fold, 1.0 - u, u), np.where(fold, 1.0 - v, v)
     surface = a[k] + u[:, None] * (b - a)[k] + v[:, None] * (c - a)[k]
-    return Survey(lo, hi, surface, cross[k] / np.maximum(length[k], 1e-30)[:, None], float(total[-1]))
+    normals = cross[k] / np.maximum(length[k], 1e-30)[:, None]
+    return Survey(lo=lo, hi=hi, surface=surface, normals=normals, area=float(total[-1]))
 
 
-def _picked(mesh: Mesh) -> tuple[Points, float]:
-    """Corners of evenly picked triangles, and how many triangles each stands for."""
+def _sample(mesh: Mesh) -> tuple[Points, float]:
+    """Return the corners of evenly sampled triangles, and how many triangles each represents."""
     step = max(len(mesh.triangles) // _PER_MESH, 1)
     return mesh.positions[mesh.triangles[::step]].astype(np.float64), float(step)
 
@@ -135,5 +135,5 @@ def _corners(box: Points) -> Points:
     return np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
-def _moved(matrix: Matrix, points: Points) -> Points:
+def _transform(matrix: Matrix, points: Points) -> Points:
     return points @ matrix[:3, :3].T + matrix[:3, 3]

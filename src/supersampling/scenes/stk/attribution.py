@@ -1,4 +1,4 @@
-"""Whom a rendering of a track owes credit: the track's designer, and the licences of the very files that it uses."""
+"""Credits for renderings of a track: its designer, and the licences of exactly the files that it uses."""
 
 import re
 from collections.abc import Iterable
@@ -13,10 +13,10 @@ _UNNAMED = "licence not stated in the package's copyright file"
 
 
 def attribution(track: Path, root: Path, files: Iterable[Path], notice: Path = _DEBIAN_NOTICE) -> str:
-    """One paragraph: title, designer, package, and each licence with its holders and number of files.
+    """Return one paragraph: title, designer, package, and each licence with its holders and number of files.
 
-    ``notice`` is a Debian copyright file (machine-readable format 1.0); of the stanzas that match a file the last one
-    holds, and those of ``*`` are the package's general terms.
+    ``notice`` is a Debian copyright file (machine-readable format 1.0); the last stanza that matches a file applies,
+    and the stanza of ``*`` has the package's general terms.
     """
     head = parse(track / "track.xml") if (track / "track.xml").is_file() else None
     title = track.name if head is None else head.get("name", track.name)
@@ -37,8 +37,8 @@ def _packaged(file: Path, root: Path) -> str:
 
 
 def _stanzas(text: str) -> list[tuple[re.Pattern[str], str, list[str]]]:
-    """Pattern, licence and holders of each ``Files:`` stanza, in order."""
-    found = []
+    """Return pattern, licence and holders of each ``Files:`` stanza, in order."""
+    stanzas = []
     for block in re.split(r"\n\s*\n", text):
         fields = {m[1]: m[2] for m in re.finditer(r"^(\S[^:\n]*):(.*(?:\n[ \t].*)*)", block, re.MULTILINE)}
         if "Files" in fields and "License" in fields:
@@ -46,15 +46,15 @@ def _stanzas(text: str) -> list[tuple[re.Pattern[str], str, list[str]]]:
             holders = [line.strip() for line in fields.get("Copyright", "").splitlines() if line.strip()]
             if fields["Files"].strip() == "*":
                 holders = [_GENERAL]
-            found.append((re.compile(patterns), fields["License"].strip().splitlines()[0].strip(), holders))
-    return found
+            stanzas.append((re.compile(patterns), fields["License"].strip().splitlines()[0].strip(), holders))
+    return stanzas
 
 
 def _owners(files: list[str], stanzas: list[tuple[re.Pattern[str], str, list[str]]]) -> dict[str, tuple[int, set[str]]]:
     owners: dict[str, tuple[int, set[str]]] = {}
     for file in files:
-        match = next(((licence, who) for pattern, licence, who in reversed(stanzas) if pattern.match(file)), None)
-        licence, who = match or (_UNNAMED, [])
+        match = next(((licence, names) for pattern, licence, names in reversed(stanzas) if pattern.match(file)), None)
+        licence, names = match or (_UNNAMED, [])
         count, holders = owners.get(licence, (0, set()))
-        owners[licence] = (count + 1, holders | set(who))
+        owners[licence] = (count + 1, holders | set(names))
     return owners

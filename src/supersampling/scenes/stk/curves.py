@@ -1,7 +1,7 @@
 """Keyframed animation as SuperTuxKart plays it (``src/animations/ipo.cpp``).
 
-Frame 1 is time 0, at 25 frames a second. A Bezier segment uses its handles' values but not their times: the parameter runs
-evenly from key to key. Outside its keys a curve is held (``const``) or starts again (``cyclic``).
+Frame 1 is time 0, at 25 frames per second. A Bezier segment uses the values of its handles but not their times: the
+parameter runs evenly from key to key. Outside its keys a curve is constant (``const``) or repeats (``cyclic``).
 """
 
 import math
@@ -16,7 +16,7 @@ CHANNELS = ("LocX", "LocY", "LocZ", "RotX", "RotY", "RotZ", "ScaleX", "ScaleY", 
 
 @dataclass(frozen=True)
 class Key:
-    """A key at ``seconds``, with the values of its handles towards the key before and the key after it."""
+    """Key at ``seconds`` with the values of its handles towards the previous and the next key."""
 
     seconds: float
     value: float
@@ -26,16 +26,16 @@ class Key:
 
 @dataclass(frozen=True)
 class Curve:
-    """One number over time. ``interpolation``: ``bezier``, ``linear`` or ``const``."""
+    """Number as a function of time. ``interpolation`` is ``bezier``, ``linear`` or ``const``."""
 
     keys: tuple[Key, ...]
     interpolation: str
     cyclic: bool
 
-    def at(self, seconds: float) -> float:
-        """The value at ``seconds``."""
+    def value(self, seconds: float) -> float:
+        """Return the value at ``seconds``."""
         t = self._wrapped(seconds)
-        # The last segment holds its end too; a lone key is a constant.
+        # The last segment includes its end; a single key is a constant.
         n = min(max(bisect_right([key.seconds for key in self.keys], t) - 1, 0), max(len(self.keys) - 2, 0))
         left, right = self.keys[n], self.keys[min(n + 1, len(self.keys) - 1)]
         span = right.seconds - left.seconds
@@ -51,7 +51,7 @@ class Curve:
         if start <= seconds <= end:
             return seconds
         if self.cyclic and end > start:
-            # The game's own formula: C's fmod of the time itself, not of the time since the start.
+            # The game's formula: C's fmod of the time itself, not of the time since the start.
             return min(max(start + math.fmod(seconds, end - start), start), end)
         return start if seconds < start else end
 
@@ -62,7 +62,7 @@ def _cubic_bezier(u: float, p0: float, p1: float, p2: float, p3: float) -> float
 
 
 def read_curves(element: Element) -> Mapping[str, Curve]:
-    """The curves of an object, by channel; channels that no object uses (those of cannons) are left out."""
+    """Return the curves of an object by channel, without channels that objects do not use (those of cannons)."""
     rate = float(element.get("fps", FRAMES_PER_SECOND))
     curves = {}
     for node in element.findall("curve"):

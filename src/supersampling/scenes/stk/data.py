@@ -1,4 +1,4 @@
-"""Where SuperTuxKart's data lie, and which file a track means by a name."""
+"""Locations of SuperTuxKart's data, and of the files that a track refers to by name."""
 
 import os
 from dataclasses import dataclass
@@ -13,38 +13,38 @@ _INSTALL = "apt-get install supertuxkart-data (628 MB)"
 
 
 def find_data() -> Path | None:
-    """SuperTuxKart's data folder: ``$SUPERTUXKART_DATADIR`` where it is set, else Debian's; ``None`` without one."""
-    named = os.environ.get(DATA_VARIABLE)
-    if named:
-        candidates = [Path(named), Path(named) / "data"]
+    """Return SuperTuxKart's data folder: ``$SUPERTUXKART_DATADIR`` if it is set, else Debian's; None if not found."""
+    configured = os.environ.get(DATA_VARIABLE)
+    if configured:
+        candidates = [Path(configured), Path(configured) / "data"]
     else:
         candidates = [_DEBIAN]
     return next((folder for folder in candidates if (folder / "tracks").is_dir()), None)
 
 
 def data_folder(root: Path | None) -> Path:
-    """``root``, or the installed data folder.
+    """Return ``root``, or the installed data folder.
 
     Raises:
-        UserError: there is no ``tracks`` folder in it, or nothing is installed.
+        UserError: The folder has no ``tracks`` folder, or no data are installed.
     """
-    found = find_data() if root is None else root
-    if found is None and os.environ.get(DATA_VARIABLE):
+    folder = find_data() if root is None else root
+    if folder is None and os.environ.get(DATA_VARIABLE):
         raise UserError(
-            f"{DATA_VARIABLE}={os.environ[DATA_VARIABLE]} holds no tracks folder: set it to SuperTuxKart's data folder, "
+            f"{DATA_VARIABLE}={os.environ[DATA_VARIABLE]} has no tracks folder: set it to SuperTuxKart's data folder, "
             f"or unset it and {_INSTALL}."
         )
-    if found is None:
+    if folder is None:
         raise UserError(
             f"SuperTuxKart's data are not installed: {_INSTALL}, or set {DATA_VARIABLE} to the data folder."
         )
-    if not (found / "tracks").is_dir():
-        raise UserError(f"{found} holds no tracks folder: name SuperTuxKart's data folder, or {_INSTALL}.")
-    return found
+    if not (folder / "tracks").is_dir():
+        raise UserError(f"{folder} has no tracks folder: use SuperTuxKart's data folder, or {_INSTALL}.")
+    return folder
 
 
 def available_tracks(root: Path | None = None) -> list[str]:
-    """Names of the tracks that can be loaded: those with a scene and a driveline or a navigation mesh."""
+    """Return the names of the loadable tracks: those with a scene and a driveline or a navigation mesh."""
     return [
         folder.name
         for folder in sorted((data_folder(root) / "tracks").iterdir())
@@ -53,21 +53,21 @@ def available_tracks(root: Path | None = None) -> list[str]:
 
 
 def track_folder(name: str, root: Path | None) -> Path:
-    """The folder of the track called ``name``.
+    """Return the folder of the track called ``name``.
 
     Raises:
-        UserError: there is no such track; the sentence names those that come close.
+        UserError: The track does not exist; the message names similar ones.
     """
     known = available_tracks(root)
     if name not in known:
         close = get_close_matches(name, known, n=3)
-        hint = f"did you mean {', '.join(close)}?" if close else f"the tracks are {', '.join(known)}."
-        raise UserError(f"There is no SuperTuxKart track {name}: {hint}")
+        hint = f"did you mean {', '.join(close)}?" if close else f"use one of {', '.join(known)}."
+        raise UserError(f"Unknown SuperTuxKart track {name}: {hint}")
     return data_folder(root) / "tracks" / name
 
 
 def inside(folder: Path, name: str) -> Path | None:
-    """``folder / name`` when it is a file and does not lead out of ``folder``."""
+    """Return ``folder / name`` if it is a file and inside ``folder``, else None."""
     if not name or Path(name).is_absolute() or ".." in Path(name).parts:
         return None
     path = folder / name
@@ -76,7 +76,7 @@ def inside(folder: Path, name: str) -> Path | None:
 
 @dataclass(frozen=True)
 class Assets:
-    """Finds models, textures and library nodes as the game does: beside their user, in the track, then in the data."""
+    """Search paths of models, textures and library nodes, as in the game: beside the user, the track, the data."""
 
     root: Path
     track: Path
@@ -89,7 +89,7 @@ class Assets:
         return self._first(name, (folder, self.track, shared, shared / "skybox"))
 
     def library(self, name: str) -> Path | None:
-        """The ``node.xml`` of a library node."""
+        """Return the ``node.xml`` of a library node."""
         return self._first(f"{name}/node.xml", (self.track / "library", self.root / "library"))
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Textures of the game's size and kind as ours: powers of two up to a limit, holes filled with the colour around them."""
+"""Textures of the game: resized to powers of two up to a limit, with transparent texels filled by the mean colour."""
 
 from pathlib import Path
 
@@ -12,19 +12,19 @@ LARGEST = 1024
 
 
 def linear(srgb: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Linear light of sRGB values in [0, 1] (IEC 61966-2-1)."""
+    """Convert sRGB values in [0, 1] to linear light (IEC 61966-2-1)."""
     curve = ((np.maximum(srgb, 0.0) + 0.055) / 1.055) ** 2.4
     return np.where(srgb <= 0.04045, srgb / 12.92, curve).astype(np.float32)
 
 
 def read_image(path: Path, alpha: bool, largest: int = LARGEST) -> Texture:
-    """``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; each side the nearest power of two up to ``largest``."""
+    """Read ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; each side is the nearest power of two up to ``largest``."""
     with Image.open(path) as image:
         # JPEG decodes to a half or a quarter at a quarter of the cost.
         image.draft("RGB", (largest, largest))
         whole = image.convert("RGBA")
     size = (_power_of_two(whole.width, largest), _power_of_two(whole.height, largest))
-    # Bands one by one: resizing RGBA at once would turn the colour of clear texels black.
+    # Resize bands one by one: resizing RGBA at once would turn the colour of transparent texels black.
     bands = [
         band if band.size == size else band.resize(size, Image.Resampling.BOX)
         for band in whole.split()[: 4 if alpha else 3]
@@ -34,15 +34,15 @@ def read_image(path: Path, alpha: bool, largest: int = LARGEST) -> Texture:
 
 
 def masked(color: Texture, mask: Texture) -> Texture:
-    """``color``'s RGB with ``mask``'s first band as alpha, resized to match."""
+    """Return ``color``'s RGB with ``mask``'s first band, resized to match, as alpha."""
     band = Image.fromarray(np.ascontiguousarray(mask[..., 0])).resize((color.shape[1], color.shape[0]))
     return np.concatenate([color[..., :3], np.asarray(band)[..., None]], axis=-1)
 
 
 def upright_normals(texture: Texture) -> Texture:
-    """A normal map with green up (OpenGL's convention), whichever it was drawn in; the game's maps come in both.
+    """Return a normal map with green up (OpenGL's convention); the game has maps of both conventions.
 
-    The slopes of a surface have no curl: of the two readings of the green channel the one with less is meant.
+    The slopes of a surface have no curl, so the right sign of the green channel is the one with less curl.
     """
     x, y, z = np.moveaxis(texture[..., :3].astype(np.float32) / 127.5 - 1.0, -1, 0)
     along, up = -x / np.maximum(z, 0.2), -y / np.maximum(z, 0.2)
@@ -64,7 +64,7 @@ def _power_of_two(side: int, largest: int) -> int:
 
 
 def _filled(texture: Texture) -> Texture:
-    """Clear texels take the mean colour of the others: filtering brings it to the edges of leaves."""
+    """Give transparent texels the mean colour of the others: filtering blends it into the edges of leaves."""
     weight = texture[..., 3:].astype(np.float32)
     if not 0.0 < weight.sum() < 255.0 * weight.size:
         return texture

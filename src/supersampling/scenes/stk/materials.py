@@ -1,10 +1,9 @@
-"""SuperTuxKart's materials as metallic-roughness ones.
+"""SuperTuxKart's materials as metallic-roughness materials.
 
-``materials.xml`` names, per texture, a shader and the normal and gloss maps. Drawn as: ``solid``, ``decal``,
-``splatting``, ``spheremap`` and what is unknown opaque with the first texture; ``alphatest``, ``grass`` and ``unlit``
-alpha-tested; ``alphablend`` and ``displace`` (water) alpha-tested at half their own opacity, so that thin water is there and
-the rim of a cloud is not.
-``additive`` (halos, light shafts) is left out: there is no blending.
+``materials.xml`` has a shader and the normal and gloss maps for each texture. ``solid``, ``decal``, ``splatting``,
+``spheremap`` and unknown shaders are drawn opaque with the first texture; ``alphatest``, ``grass`` and ``unlit``
+alpha-tested; ``alphablend`` and ``displace`` (water) alpha-tested at half their typical opacity, which keeps thin water
+but not the rim of a cloud. ``additive`` (halos, light shafts) is left out because there is no blending.
 """
 
 from collections.abc import Mapping
@@ -24,26 +23,27 @@ _BLENDED = {"alphablend", "displace"}
 _BUMPED = {"solid", "dynamicnightbloom"}
 _WATER_ROUGHNESS = 0.2
 _PLAIN_ROUGHNESS = 0.84  # without a gloss map the gloss is 0
-# combine_diffuse_color.frag: emission e (0.4 for unlit) adds e c (1 + 10 c e^2) of the colour c; taken at c = 0.5, and the full
-# glow held back to 4 of 6, since there is no bloom to carry the rest.
+# combine_diffuse_color.frag: emission e (0.4 for unlit) adds e c (1 + 10 c e^2) for the colour c. Evaluated at c = 0.5;
+# the full glow of 6 is limited to 4, since there is no bloom.
 _UNLIT_EMISSION = 0.7
 _GLOWING_EMISSION = 4.0
-# JPEG noise in the emission band of a gloss map that glows nowhere.
+# Level of JPEG noise in the emission band of a gloss map without glow.
 _DARK = 24
 
 Attributes = Mapping[str, str]
 
 
 def roughness_of_gloss(gloss: NDArray[np.float64]) -> NDArray[np.float64]:
-    """GGX roughness whose highlight is as wide as that of the game's Blinn-Phong exponent ``2^(10 gloss + 1)``.
+    """Return the GGX roughness with the same highlight width as the game's Blinn-Phong exponent ``2^(10 gloss + 1)``.
 
-    ``alpha^2 = 2 / (exponent + 2)`` (Walter et al. 2007, section 6.3), roughness = sqrt(alpha): 0.84 for gloss 0, 0.18 for 1.
+    ``alpha^2 = 2 / (exponent + 2)`` (Walter et al. 2007, section 6.3), roughness = sqrt(alpha): 0.84 for gloss 0, 0.18
+    for 1.
     """
     return (2.0 / (np.exp2(10.0 * gloss + 1.0) + 2.0)) ** 0.25
 
 
 def surface_map(gloss: Texture) -> Texture:
-    """Our roughness, metallic, emission from a gloss map's gloss, metallic, emission; ``(H, W, 3)``."""
+    """Convert a gloss map (gloss, metallic, emission) to roughness, metallic, emission: ``(H, W, 3)``."""
     out = gloss[..., :3].copy()
     table = np.round(255.0 * roughness_of_gloss(np.arange(256) / 255.0)).astype(np.uint8)
     out[..., 0] = table[gloss[..., 0]]
@@ -53,7 +53,7 @@ def surface_map(gloss: Texture) -> Texture:
 
 
 class MaterialTable:
-    """The ``<material>`` entries by texture name: a library node's own, then the track's, then the game's."""
+    """``<material>`` entries by texture name: first of the library node, then of the track, then of the game."""
 
     def __init__(self, assets: Assets) -> None:
         self._shared = (assets.track, assets.root / "textures")
@@ -61,8 +61,8 @@ class MaterialTable:
 
     def find(self, textures: tuple[str, str], folder: Path) -> Attributes:
         first, second = (name.lower() for name in textures)
-        for place in (folder, *self._shared):
-            table = self._table(place)
+        for location in (folder, *self._shared):
+            table = self._table(location)
             for key in ((first, second), (first, "")):
                 if key in table:
                     return table[key]
@@ -78,11 +78,14 @@ class MaterialTable:
         return self._tables[folder]
 
 
-class Materials:
-    """Makes each material once. ``made`` are the materials, ``files`` the images that they use. A missing image is left out."""
+class TrackMaterials:
+    """Reader that converts each material once; ``files`` are the images that ``materials`` use.
+
+    Missing images are left out.
+    """
 
     def __init__(self, assets: Assets, by_day: bool) -> None:
-        self.made: list[Material] = []
+        self.materials: list[Material] = []
         self.files: set[Path] = set()
         self._assets = assets
         self._by_day = by_day
@@ -95,18 +98,18 @@ class Materials:
         return self._table.find(textures, folder)
 
     def number(self, textures: tuple[str, str], folder: Path) -> int | None:
-        """Index in ``made`` of the material for a buffer's textures; ``None`` when it is not drawn."""
+        """Return the index in ``materials`` for a buffer's textures; None if the material is not drawn."""
         attributes = self._table.find(textures, folder)
         if attributes.get("shader") in _LEFT_OUT:
             return None
         path = self._assets.texture(textures[0], folder)
         key = (path, tuple(sorted(attributes.items())))
         if key not in self._numbers:
-            self._numbers[key] = len(self.made)
-            self.made.append(self._make(textures[0], path, attributes, folder))
+            self._numbers[key] = len(self.materials)
+            self.materials.append(self._convert(textures[0], path, attributes, folder))
         return self._numbers[key]
 
-    def _make(self, name: str, path: Path | None, attributes: Attributes, folder: Path) -> Material:
+    def _convert(self, name: str, path: Path | None, attributes: Attributes, folder: Path) -> Material:
         shader = attributes.get("shader", "solid")
         cut = shader in _TESTED or shader in _BLENDED
         albedo = None if path is None else self._albedo(path, attributes, cut, folder)
@@ -155,7 +158,7 @@ class Materials:
 
 
 def _cutoff(albedo: Texture, shader: str) -> float:
-    """Alpha below which nothing is drawn; 0 when the texture is opaque everywhere."""
+    """Return the alpha below which nothing is drawn; 0 if the texture is opaque everywhere."""
     alpha = albedo[..., 3]
     if alpha.min() == 255:
         return 0.0

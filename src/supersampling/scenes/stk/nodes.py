@@ -1,7 +1,8 @@
-"""What a track's ``scene.xml`` puts where: models and lamps, through library nodes and levels of detail.
+"""Models and lamps of a track's ``scene.xml``, through library nodes and levels of detail.
 
-Left out: what only the physics sees, particles, sounds, billboards, surfaces that merely bend the light behind them, and objects
-whose condition does not hold in a plain forward race. Of a level-of-detail group the most detailed model stands.
+Left out: physics-only objects, particles, sounds, billboards, surfaces that only refract what is behind them, and
+objects whose condition does not hold in a plain forward race. Of a level-of-detail group only the most detailed model
+is used.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from supersampling.scenes.stk.placement import Placement, read_placement, triple
 
 _INVISIBLE_TYPES = {"billboard", "sfx-emitter", "action-trigger", "cutscene_camera"}
 _PHYSICS_ONLY = {"physics-only", "physicsonly"}
-# What a plain forward race answers to the script functions that objects ask.
+# Script functions of objects' conditions that are true in a plain forward race.
 _HOLDS = {
     "true",
     "isTrackNotReverse",
@@ -31,7 +32,7 @@ _DEEPEST = 8
 
 @dataclass(frozen=True)
 class PlacedModel:
-    """A mesh file under a chain of nodes, outermost first."""
+    """Mesh file under a chain of nodes, outermost first."""
 
     path: Path
     chain: tuple[Placement, ...]
@@ -39,7 +40,7 @@ class PlacedModel:
 
 @dataclass(frozen=True)
 class Lamp:
-    """A ``<light>``: colour in 0..255, ``distance`` metres of reach."""
+    """``<light>`` element: colour between 0 and 255, range ``distance`` in metres."""
 
     chain: tuple[Placement, ...]
     color: tuple[float, float, float]
@@ -53,21 +54,21 @@ class _Detail(NamedTuple):
 
 
 def parse(path: Path) -> Element:
-    """The root of an XML file of the data; expat's own limits hold against expanding entities.
+    """Return the root of an XML file of the data; expat limits expanding entities.
 
     Raises:
-        UserError: it is no XML.
+        UserError: The file is not XML.
     """
     try:
         return ElementTree.parse(path).getroot()
     except ElementTree.ParseError as error:
         raise UserError(
-            f"{path.parent.name}/{path.name} is no readable XML ({error}): reinstall the SuperTuxKart data."
+            f"{path.parent.name}/{path.name} is not valid XML ({error}): reinstall the SuperTuxKart data."
         ) from error
 
 
 class SceneReader:
-    """Walks a track's nodes; ``models`` and ``lamps`` are what it found. A file that is not there is passed over."""
+    """Reader that collects ``models`` and ``lamps`` from a track's nodes; missing files are skipped."""
 
     def __init__(self, assets: Assets) -> None:
         self.models: list[PlacedModel] = []
@@ -114,7 +115,7 @@ class SceneReader:
 
     def _library(self, node: Element, chain: tuple[Placement, ...]) -> None:
         path = self._assets.library(node.get("name", ""))
-        # A node that holds itself would never end.
+        # A node that contains itself would never end.
         if path is None or len(chain) > _DEEPEST:
             return
         if path not in self._libraries:

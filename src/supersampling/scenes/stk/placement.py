@@ -1,7 +1,7 @@
-"""Where things stand: position, rotation and scale, and how they compose down a tree of nodes.
+"""Placement of objects: position, rotation and scale, and their composition along a tree of nodes.
 
-SuperTuxKart (Irrlicht) is left-handed with y up; a scene here is right-handed with y up. ``MIRROR`` (z to -z) takes one to the
-other: points ``S p``, matrices ``S M S``.
+SuperTuxKart (Irrlicht) is left-handed with y up; scenes are right-handed with y up. ``MIRROR`` (z to -z, S) converts
+between them: points ``S p``, matrices ``S M S``.
 """
 
 from collections.abc import Mapping
@@ -20,13 +20,13 @@ MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
 
 
 def triple(text: str | None, default: Triple) -> Triple:
-    """Three numbers of an attribute; ``default`` when it is absent or no triple."""
+    """Return the three numbers of an attribute, or ``default`` if it is missing or not a triple."""
     parts = (text or "").split()
     return (float(parts[0]), float(parts[1]), float(parts[2])) if len(parts) == 3 else default
 
 
 def rotation(axis: int, degrees: float) -> Matrix:
-    """``(3, 3)`` rotation about the axis x, y or z (0, 1, 2), right-hand rule, column vectors."""
+    """Return the rotation ``(3, 3)`` about the axis x, y or z (0, 1, 2): right-hand rule, column vectors."""
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     out = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
@@ -36,7 +36,7 @@ def rotation(axis: int, degrees: float) -> Matrix:
 
 @dataclass(frozen=True)
 class Placement:
-    """A node under its parent, in SuperTuxKart's own space; ``degrees`` about x, y, z."""
+    """Placement of a node under its parent, in SuperTuxKart's space; ``degrees`` about x, y, z."""
 
     position: Triple = (0.0, 0.0, 0.0)
     degrees: Triple = (0.0, 0.0, 0.0)
@@ -44,7 +44,10 @@ class Placement:
     curves: Mapping[str, Curve] = field(default_factory=dict)
 
     def matrix(self, seconds: float = 0.0) -> Matrix:
-        """``(4, 4)``. A still node turns about x, then y, then z; an animated one about x, then z, then y."""
+        """Return the matrix ``(4, 4)``.
+
+        Static nodes rotate about x, then y, then z; animated ones about x, then z, then y.
+        """
         position = self._channel("Loc", self.position, seconds)
         x, y, z = (rotation(k, a) for k, a in enumerate(self._channel("Rot", self.degrees, seconds)))
         out = np.eye(4)
@@ -55,17 +58,17 @@ class Placement:
 
     def _channel(self, name: str, still: Triple, seconds: float) -> Matrix:
         values = [
-            self.curves[name + axis].at(seconds) if name + axis in self.curves else value
+            self.curves[name + axis].value(seconds) if name + axis in self.curves else value
             for axis, value in zip("XYZ", still)
         ]
         return np.array(values)
 
 
 def read_placement(element: Element) -> Placement:
-    """Placement and curves of a scene node; the old syntax ``x y z h`` counts too."""
-    old = (float(element.get("x", 0)), float(element.get("y", 0)), float(element.get("z", 0)))
+    """Return the placement and curves of a scene node; the old syntax ``x y z h`` is also read."""
+    position = (float(element.get("x", 0)), float(element.get("y", 0)), float(element.get("z", 0)))
     return Placement(
-        position=triple(element.get("xyz"), old),
+        position=triple(element.get("xyz"), position),
         degrees=triple(element.get("hpr"), (0.0, float(element.get("h", 0)), 0.0)),
         scale=triple(element.get("scale"), (1.0, 1.0, 1.0)),
         curves=read_curves(element),
@@ -73,12 +76,12 @@ def read_placement(element: Element) -> Placement:
 
 
 def world_transform(chain: tuple[Placement, ...]) -> Array | Transform:
-    """Object-to-world matrix of the last node of a chain from the root, right-handed: constant unless a node moves."""
+    """Return the right-handed object-to-world matrix of a chain's last node: constant unless a node moves."""
 
-    def at(seconds: float) -> Array:
+    def matrix(seconds: float) -> Array:
         out = MIRROR
         for placement in chain:
             out = out @ placement.matrix(seconds)
         return (out @ MIRROR).astype(np.float32)
 
-    return at if any(placement.curves for placement in chain) else at(0.0)
+    return matrix if any(placement.curves for placement in chain) else matrix(0.0)

@@ -1,7 +1,8 @@
 """Camera routes along a track: the driveline of a race track, or walks over an arena's navigation mesh.
 
-The quads of ``quads.xml`` in the order of ``graph.xml``'s main loop give a middle line and a width. It is cut into consecutive
-pieces with a gap between them, so that no two routes share a metre; each has its own eye height and place across the road.
+The quads of ``quads.xml`` in the order of ``graph.xml``'s main loop give a middle line and a width. The line is cut
+into consecutive pieces with gaps, so that routes do not overlap; each has another eye height and position across the
+road.
 """
 
 from collections import deque
@@ -18,7 +19,7 @@ from supersampling.scenes.stk.placement import MIRROR, Triple, triple
 
 Points = NDArray[np.float64]
 _FEWEST = 8
-_LENGTH = 60.0  # metres of a route where the track is long enough
+_LENGTH = 60.0  # metres of a route if the track is long enough
 _GAP = 3.0  # metres between two routes
 _STEP = 1.0  # metres between a route's points
 _EYES = (1.3, 1.9, 1.6, 2.3)  # metres above the road
@@ -26,20 +27,20 @@ _ACROSS = (0.0, 0.35, -0.35, 0.15, -0.15)  # of half the road's width
 
 
 def read_routes(track: Path) -> list[Route]:
-    """At least eight routes of a track folder, right-handed, each a line of points a metre apart.
+    """Return at least eight routes of a track folder, right-handed lines of points one metre apart.
 
     Raises:
-        UserError: the folder has neither a driveline nor a navigation mesh, or an empty one.
+        UserError: The folder has neither a driveline nor a navigation mesh, or an empty one.
     """
     if (track / "quads.xml").is_file():
         return _cut(*_driveline(track))
     if (track / "navmesh.xml").is_file():
         return _walks(parse(track / "navmesh.xml"))
-    raise UserError(f"The track {track.name} has neither quads.xml nor navmesh.xml to lay routes along.")
+    raise UserError(f"The track {track.name} has neither quads.xml nor navmesh.xml: use a track with one of them.")
 
 
 def read_quads(element: Element) -> Points:
-    """Corners ``(N, 4, 3)`` of a driveline's quads in the game's space; a corner ``i:j`` is corner ``j`` of quad ``i``."""
+    """Return corners ``(N, 4, 3)`` of a driveline's quads in the game's space; ``i:j`` means corner j of quad i."""
     quads: list[list[Triple]] = []
     for node in element.findall("quad"):
         corners: list[Triple] = []
@@ -52,14 +53,16 @@ def read_quads(element: Element) -> Points:
 
 
 def _driveline(track: Path) -> tuple[Points, Points]:
-    """Middle line ``(N, 3)`` and half widths across it ``(N, 3)`` of the main loop, right-handed."""
+    """Return the middle line ``(N, 3)`` and the half widths across it ``(N, 3)`` of the main loop, right-handed."""
     quads = read_quads(parse(track / "quads.xml"))
     graph = parse(track / "graph.xml") if (track / "graph.xml").is_file() else None
     loop = graph.find("edge-loop") if graph is not None else None
     if loop is not None:
         quads = quads[int(loop.get("from", 0)) : int(loop.get("to", len(quads) - 1)) + 1]
     if len(quads) < 2:
-        raise UserError(f"The driveline of the track {track.name} has {len(quads)} quads: it needs at least 2.")
+        raise UserError(
+            f"The driveline of the track {track.name} has only {len(quads)} quads: use a track with at least 2."
+        )
     # Each quad's starting edge, then the end of the last one.
     left = np.concatenate([quads[:, 0], quads[-1:, 3]]) @ MIRROR[:3, :3]
     right = np.concatenate([quads[:, 1], quads[-1:, 2]]) @ MIRROR[:3, :3]
@@ -73,36 +76,36 @@ def _cut(middle: Points, across: Points) -> list[Route]:
     routes = []
     for k in range(count):
         length = piece - min(_GAP, 0.1 * piece)
-        at = k * piece + np.linspace(0.0, length, max(2, 1 + round(length / _STEP)))
-        line = _at(arc, middle, at) + _ACROSS[k % len(_ACROSS)] * _at(arc, across, at)
+        distance = k * piece + np.linspace(0.0, length, max(2, 1 + round(length / _STEP)))
+        line = _sample(arc, middle, distance) + _ACROSS[k % len(_ACROSS)] * _sample(arc, across, distance)
         line[:, 1] += _EYES[k % len(_EYES)]
         routes.append(Route(f"driveline {k}", line.astype(np.float32)))
     return routes
 
 
-def _at(arc: Points, values: Points, distance: Points) -> Points:
-    """``values`` at the arc lengths ``distance``, averaged over two metres so that a camera does not jolt."""
+def _sample(arc: Points, values: Points, distance: Points) -> Points:
+    """Return ``values`` at arc lengths ``distance``, averaged over two metres so that cameras do not jolt."""
     near = np.clip(distance[:, None] + np.linspace(-1.0, 1.0, 5), 0.0, arc[-1])
     return np.stack([np.interp(near, arc, values[:, k]).mean(axis=1) for k in range(values.shape[1])], axis=1)
 
 
 def _walks(navmesh: Element) -> list[Route]:
-    """Walks from face to face that share no face: each the longest shortest path among the faces that are left."""
+    """Return disjoint walks from face to face, each the longest shortest path among the remaining faces."""
     corners = np.array([[float(v.get(axis, 0.0)) for axis in "xyz"] for v in navmesh.iter("vertex")]).reshape(-1, 3)
     faces = [[int(i) for i in face.get("indices", "").split()] for face in navmesh.iter("face")]
     links = [[int(i) for i in face.get("adjacents", "").split()] for face in navmesh.iter("face")]
     if not faces:
-        raise UserError("The track's navigation mesh has no faces to lay routes along.")
+        raise UserError("The track's navigation mesh has no faces: use a track with a driveline or a navigation mesh.")
     middles = np.array([corners[face].mean(axis=0) for face in faces]) @ MIRROR[:3, :3]
-    left = set(range(len(faces)))
+    remaining = set(range(len(faces)))
     routes: list[Route] = []
-    while len(routes) < 2 * _FEWEST and left:
-        path = _longest(links, left)
-        left -= set(path)
+    while len(routes) < 2 * _FEWEST and remaining:
+        path = _longest(links, remaining)
+        remaining -= set(path)
         if len(path) >= 3:
             routes.extend(_pieces(middles[path], len(routes)))
     if len(routes) < _FEWEST:
-        # Too few faces for walks of their own: eight arcs around the middle, as wide as the mesh allows.
+        # Too few faces for walks: use eight arcs around the middle, as wide as the mesh allows.
         return _ring(middles)
     return routes
 
@@ -114,39 +117,39 @@ def _pieces(line: Points, first: int) -> list[Route]:
     routes = []
     for k in range(count):
         length = piece - min(_GAP, 0.1 * piece)
-        points = _at(arc, line, k * piece + np.linspace(0.0, length, max(2, 1 + round(length / _STEP))))
+        points = _sample(arc, line, k * piece + np.linspace(0.0, length, max(2, 1 + round(length / _STEP))))
         points[:, 1] += _EYES[(first + k) % len(_EYES)]
         routes.append(Route(f"walk {first + k}", points.astype(np.float32)))
     return routes
 
 
-def _longest(links: list[list[int]], left: set[int]) -> list[int]:
-    """The path between two faces that lie far apart: breadth first twice, from the largest part's lowest face."""
+def _longest(links: list[list[int]], remaining: set[int]) -> list[int]:
+    """Return a path between distant faces: breadth first twice, from the lowest face of the largest component."""
     seen: set[int] = set()
     best: dict[int, int] = {}
-    for start in sorted(left):
+    for start in sorted(remaining):
         if start not in seen:
-            reached = _breadth_first(links, left, start)
+            reached = _breadth_first(links, remaining, start)
             seen |= reached.keys()
             best = reached if len(reached) > len(best) else best
-    # Faces come out in the order of their distance, so that the last one is the farthest.
-    before = _breadth_first(links, left, next(reversed(best)))
+    # Faces are in the order of their distance, so the last one is the farthest.
+    before = _breadth_first(links, remaining, next(reversed(best)))
     path = [next(reversed(before))]
     while before[path[-1]] != path[-1]:
         path.append(before[path[-1]])
     return path
 
 
-def _breadth_first(links: list[list[int]], left: set[int], start: int) -> dict[int, int]:
-    """Each face that can be reached, with the face it was reached from; the start with itself."""
+def _breadth_first(links: list[list[int]], remaining: set[int], start: int) -> dict[int, int]:
+    """Return the predecessor of each reachable face; that of the start is itself."""
     before = {start: start}
     queue = deque([start])
     while queue:
         face = queue.popleft()
-        for other in links[face]:
-            if other in left and other not in before:
-                before[other] = face
-                queue.append(other)
+        for neighbour in links[face]:
+            if neighbour in remaining and neighbour not in before:
+                before[neighbour] = face
+                queue.append(neighbour)
     return before
 
 

@@ -1,4 +1,4 @@
-"""A track's light: sun, sky colours from its sky box, and the lamps that matter along the routes."""
+"""Light of a track: sun, sky colours from its sky box, and the strongest lamps along the routes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,12 +19,12 @@ _LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
 _LAMP_STRENGTH = 20.0
 _MOST_LAMPS = 32
 _BRIGHTEST_AMBIENT = 8.0
-_BOUNCED = 1.5  # ambient light that the ground returns is not in the sky: half as much again
+_BOUNCED = 1.5  # the sky box lacks the light that the ground reflects, about half as much again
 _SIDE = 128
 
 
 def read_sun(scene: Element) -> Sun | None:
-    """The ``<sun>`` as a direction and colour; ``None`` for a track without one, or with a black one."""
+    """Return the ``<sun>``; None for a track without one, or with a black one."""
     node = scene.find("sun")
     if node is None:
         return None
@@ -35,15 +35,11 @@ def read_sun(scene: Element) -> Sun | None:
     # A sun at the origin has no direction.
     if length < 1e-6 or color.max() <= 0.0:
         return None
-    direction = toward / length
-    return Sun(
-        (float(direction[0]), float(direction[1]), float(direction[2])),
-        (float(color[0]), float(color[1]), float(color[2])),
-    )
+    return Sun(_rgb(toward / length), _rgb(color))
 
 
 def read_sky(scene: Element, assets: Assets) -> Sky:
-    """Zenith, horizon and ground averaged from the sky box; ``ambient`` scales them to the box that lights the track."""
+    """Return the sky box's mean zenith, horizon and ground; ``ambient`` scales them to the lighting box."""
     box = _box(scene, assets, "texture")
     if box is None:
         plain = linear(np.array(_plain(scene)) / 255.0)
@@ -57,40 +53,40 @@ def read_sky(scene: Element, assets: Assets) -> Sky:
     mean = _mean_luminance(box)
     node = scene.find("sun")
     flat = triple(node.get("ambient") if node is not None else None, (120.0, 120.0, 120.0))
-    # A third of the plain ambient colour, so that caves and night tracks without a bright box of their own are not black.
+    # At least a third of the plain ambient colour, so that caves and night tracks with dark boxes are not black.
     lit = max(_mean_luminance(lighting or box), 0.3 * _luminance(np.array(flat) / 255.0))
     ambient = float(np.clip(lit / max(mean, 1e-4), _BOUNCED, _BRIGHTEST_AMBIENT))
     return Sky(_rgb(_paler(zenith)), _rgb(_paler(horizon)), _rgb(_paler(ground)), ambient)
 
 
 def sky_files(scene: Element, assets: Assets) -> list[Path]:
-    """The images that the sky was averaged from."""
+    """Return the images that the sky is averaged from."""
     node = scene.find("sky-box")
     names = [] if node is None else node.get("texture", "").split() + node.get("sh-texture", "").split()
     return [path for name in names if (path := assets.texture(name, assets.track))]
 
 
 def exposure_for(sun: Sun | None, sky: Sky) -> float:
-    """An exposure that brings a grey surface in the open to a middle tone, and leaves a night darker than a day."""
+    """Return an exposure that gives grey surfaces in the open a middle tone, and leaves night darker than day."""
     direct = 0.0 if sun is None else _luminance(np.array(sun.radiance)) * max(sun.direction[1], 0.2)
     around = sky.ambient * _luminance(0.5 * np.array(sky.zenith) + 0.5 * np.array(sky.horizon))
     return float(np.clip((1.0 / max(direct + around, 1e-3)) ** 0.75, 0.7, 4.0))
 
 
 def nearby_lamps(lamps: Sequence[Lamp], routes: Sequence[Route]) -> list[PointLight]:
-    """The strongest few lamps that reach a route, no two in the same place."""
+    """Return the strongest lamps that reach a route, without lamps close to a stronger one."""
     path = np.concatenate([route.points for route in routes])
-    chosen: list[PointLight] = []
-    for lamp in sorted(lamps, key=lambda one: -one.energy * one.distance * max(one.color)):
+    lights: list[PointLight] = []
+    for lamp in sorted(lamps, key=lambda x: -x.energy * x.distance * max(x.color)):
         position = _position(lamp)
         gap = float(np.linalg.norm(path - position, axis=1).min())
-        crowded = any(np.linalg.norm(position - np.array(o.position)) < 0.25 * o.radius for o in chosen)
+        crowded = any(np.linalg.norm(position - np.array(x.position)) < 0.25 * x.radius for x in lights)
         if gap < lamp.distance and not crowded and lamp.distance > 2.0:
             strength = _LAMP_STRENGTH * lamp.energy * np.array(lamp.color) / 255.0
-            chosen.append(PointLight(_rgb(position), _rgb(strength), lamp.distance, shadowed=False))
-        if len(chosen) == _MOST_LAMPS:
+            lights.append(PointLight(_rgb(position), _rgb(strength), lamp.distance, shadowed=False))
+        if len(lights) == _MOST_LAMPS:
             break
-    return chosen
+    return lights
 
 
 def _position(lamp: Lamp) -> NDArray[np.float64]:
@@ -101,7 +97,7 @@ def _position(lamp: Lamp) -> NDArray[np.float64]:
 
 
 def _box(scene: Element, assets: Assets, attribute: str) -> list[Rgb] | None:
-    """Six linear images ``(128, 128, 3)`` in the order top, bottom and four sides; ``None`` unless all are found."""
+    """Return six linear images ``(128, 128, 3)``: top, bottom and four sides; None unless all exist."""
     node = scene.find("sky-box")
     names = [] if node is None else node.get(attribute, "").split()
     paths = [assets.texture(name, assets.track) for name in names]
@@ -119,7 +115,7 @@ def _box(scene: Element, assets: Assets, attribute: str) -> list[Rgb] | None:
 
 
 def _paler(color: NDArray[np.floating]) -> NDArray[np.floating]:
-    """A third of the way to grey: the sky lights the shade too, and its pure blue would turn a brown road black."""
+    """Mix a third of grey in: the sky lights the shade, and its pure blue would turn a brown road black."""
     return (2.0 * color + _luminance(color)) / 3.0
 
 

@@ -1,9 +1,9 @@
-"""SuperTuxKart's mesh format ``.spm`` (version 1), read into arrays.
+"""Reader of SuperTuxKart's mesh format ``.spm`` (version 1).
 
-Little-endian: ``SP``; a byte ``version << 3 | type`` (1 skinned, 2 plain); a byte of flags (1 normals, 2 colours,
-4 tangents); a bounding box of 6 floats; the materials as pairs of texture names; then sectors of buffers, each with its own
-vertices and indices.
-After ``src/graphics/sp_mesh_loader.cpp`` of SuperTuxKart 1.4. Skinned meshes come in their bind pose.
+Little-endian: ``SP``; a byte ``version << 3 | type`` (1 skinned, 2 plain); a byte of flags (1 normals, 2 colours, 4
+tangents); a bounding box of 6 floats; the materials as pairs of texture names; then sectors of buffers, each with
+vertices and indices. Source: ``src/graphics/sp_mesh_loader.cpp`` of SuperTuxKart 1.4. Skinned meshes are in their bind
+pose.
 """
 
 import struct
@@ -21,11 +21,11 @@ _WHITE = 128
 
 
 @dataclass(frozen=True, eq=False)
-class Buffer:
-    """Vertices and triangles of one material, in the file's own left-handed space and winding.
+class MeshBuffer:
+    """Vertices and triangles of one material, in the file's left-handed space and winding.
 
-    ``positions, normals (N, 3)``, ``colors (N, 3)`` uint8 or ``None`` for white, ``uv (N, 2)`` or ``None``, ``triangles (M, 3)``.
-    ``textures`` names the textures of the first and the second uv set, empty where there is none.
+    ``positions, normals (N, 3)``, ``colors (N, 3)`` uint8 or None for white, ``uv (N, 2)`` or None, ``triangles (M,
+    3)``. ``textures`` are the texture names of the first and the second uv set, empty without a texture.
     """
 
     positions: Floats
@@ -36,46 +36,46 @@ class Buffer:
     textures: tuple[str, str]
 
 
-class _Reader:
+class _ByteReader:
     def __init__(self, data: bytes) -> None:
         self.data = data
-        self.at = 0
+        self.position = 0
 
     def take(self, layout: str) -> tuple[int, ...]:
-        values = struct.unpack_from("<" + layout, self.data, self.at)
-        self.at += struct.calcsize("<" + layout)
+        values = struct.unpack_from("<" + layout, self.data, self.position)
+        self.position += struct.calcsize("<" + layout)
         return values
 
     def text(self) -> str:
         (length,) = self.take("B")
-        self.at += length
-        return self.data[self.at - length : self.at].decode("utf-8", "replace")
+        self.position += length
+        return self.data[self.position - length : self.position].decode("utf-8", "replace")
 
     def array(self, dtype: str, count: int) -> NDArray[np.generic]:
-        values = np.frombuffer(self.data, dtype, count, self.at)
-        self.at += values.nbytes
+        values = np.frombuffer(self.data, dtype, count, self.position)
+        self.position += values.nbytes
         return values
 
 
-def read_spm(path: Path) -> list[Buffer]:
-    """The buffers of a mesh file.
+def read_spm(path: Path) -> list[MeshBuffer]:
+    """Return the buffers of a mesh file.
 
     Raises:
-        UserError: not an ``.spm`` file of version 1, or cut short.
+        UserError: The file is not ``.spm`` of version 1, or is cut short.
     """
-    reader = _Reader(path.read_bytes())
+    reader = _ByteReader(path.read_bytes())
     try:
         return _read(reader)
     except (struct.error, ValueError, IndexError) as error:
         raise UserError(
-            f"{path.name} is no readable .spm mesh of version 1 ({error}): reinstall the SuperTuxKart data."
+            f"{path.name} is not a valid .spm mesh of version 1 ({error}): reinstall the SuperTuxKart data."
         ) from error
 
 
-def _read(reader: _Reader) -> list[Buffer]:
+def _read(reader: _ByteReader) -> list[MeshBuffer]:
     if reader.data[:2] != b"SP":
         raise ValueError("it does not begin with SP")
-    reader.at = 2
+    reader.position = 2
     kind, flags = reader.take("BB")
     if kind >> 3 != 1 or kind & 7 not in (1, 2):
         raise ValueError(f"its version is {kind >> 3} and its type {kind & 7}")
@@ -90,8 +90,8 @@ def _read(reader: _Reader) -> list[Buffer]:
 
 
 def _buffer(
-    reader: _Reader, vertices: int, indices: int, textures: tuple[str, str], flags: int, skinned: bool
-) -> Buffer:
+    reader: _ByteReader, vertices: int, indices: int, textures: tuple[str, str], flags: int, skinned: bool
+) -> MeshBuffer:
     head = [("position", "<3f4")] + ([("normal", "<u4")] if flags & _NORMALS else [])
     tail = []
     if textures[0]:
@@ -104,14 +104,14 @@ def _buffer(
     positions = np.ascontiguousarray(front["position"], dtype=np.float32)
     normals = _unpacked(front["normal"]) if flags & _NORMALS else _face_normals(positions, triangles)
     uv = np.ascontiguousarray(back["uv"], dtype=np.float32) if textures[0] else None
-    return Buffer(positions, normals, colors, uv, triangles, textures)
+    return MeshBuffer(positions, normals, colors, uv, triangles, textures)
 
 
 def _vertices(
-    reader: _Reader, count: int, head: np.dtype, tail: np.dtype, coloured: bool
+    reader: _ByteReader, count: int, head: np.dtype, tail: np.dtype, coloured: bool
 ) -> tuple[NDArray, NDArray, NDArray[np.uint8] | None]:
-    """The fields before a vertex's colour, those after it, and the colours ``(count, 3)``."""
-    data = np.frombuffer(reader.data, np.uint8, offset=reader.at)
+    """Return the fields before a vertex's colour, those after it, and the colours ``(count, 3)`` or None."""
+    data = np.frombuffer(reader.data, np.uint8, offset=reader.position)
     short = head.itemsize + tail.itemsize + int(coloured)
     if not coloured:
         starts = np.arange(count) * short
@@ -122,7 +122,7 @@ def _vertices(
         ends = starts + head.itemsize + np.where(white, 1, 4)
     front = _gathered(data, starts, head)
     back = _gathered(data, ends, tail)
-    reader.at += int(ends[-1]) + tail.itemsize if count else 0
+    reader.position += int(ends[-1]) + tail.itemsize if count else 0
     if white is None or white.all():
         return front, back, None
     colors = data[np.minimum(starts[:, None] + head.itemsize + np.arange(1, 4), len(data) - 1)]
@@ -131,17 +131,17 @@ def _vertices(
 
 
 def _coloured_starts(data: NDArray[np.uint8], count: int, mark: int, short: int) -> NDArray[np.int64]:
-    """Where each vertex begins, when a white one takes ``short`` bytes and any other three more."""
+    """Return the start of each vertex; a white one takes ``short`` bytes and any other three more."""
     for stride, white in ((short, True), (short + 3, False)):
         starts = np.arange(count) * stride
         if count and starts[-1] + mark < len(data) and bool(((data[starts + mark] == _WHITE) == white).all()):
             return starts
-    # Each start hangs on the ones before it. A bare loop over bytes costs 0.1 us a vertex.
-    raw, at, found = data.tobytes(), 0, []
+    # Each start depends on the previous ones. A plain loop over bytes costs 0.1 us per vertex.
+    raw, position, positions = data.tobytes(), 0, []
     for _ in range(count):
-        found.append(at)
-        at += short if raw[at + mark] == _WHITE else short + 3
-    return np.asarray(found, dtype=np.int64)
+        positions.append(position)
+        position += short if raw[position + mark] == _WHITE else short + 3
+    return np.asarray(positions, dtype=np.int64)
 
 
 def _gathered(data: NDArray[np.uint8], starts: NDArray[np.int64], dtype: np.dtype) -> NDArray:
@@ -153,14 +153,14 @@ def _gathered(data: NDArray[np.uint8], starts: NDArray[np.int64], dtype: np.dtyp
 
 
 def _unpacked(packed: NDArray) -> Floats:
-    """Unit vectors ``(N, 3)`` of signed 10-10-10-2 integers; a zero vector becomes up."""
+    """Return unit vectors ``(N, 3)`` of signed 10-10-10-2 integers; a zero vector becomes up."""
     signed = packed.astype(np.uint32)[:, None] << np.array([22, 12, 2], np.uint32)
     vectors = (signed.view(np.int32) >> 22).astype(np.float32)
     return _normalised(vectors)
 
 
 def _face_normals(positions: Floats, triangles: NDArray[np.uint32]) -> Floats:
-    """Area-weighted vertex normals of faces that are clockwise in left-handed space, for meshes that carry none."""
+    """Return area-weighted vertex normals for meshes without normals; faces are clockwise in left-handed space."""
     a, b, c = (positions[triangles[:, k]] for k in range(3))
     face = np.cross(b - a, c - a)
     normals = np.zeros_like(positions)
@@ -171,6 +171,6 @@ def _face_normals(positions: Floats, triangles: NDArray[np.uint32]) -> Floats:
 
 def _normalised(vectors: Floats) -> Floats:
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    # A zero vector has no direction: up stands for it.
+    # A zero vector has no direction: use up.
     up = np.array((0.0, 1.0, 0.0), np.float32)
     return np.where(length > 1e-12, vectors / np.maximum(length, 1e-12), up).astype(np.float32)

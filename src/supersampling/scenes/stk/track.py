@@ -1,8 +1,8 @@
 """A SuperTuxKart track as a scene.
 
-Kept: every model of ``scene.xml`` in its finest detail, keyframed objects, textures, normal and gloss maps, vertex colours,
-sun, sky colours, the strongest lamps. Not kept: fog, particles, scrolling textures, waving grass, the second texture layer of
-decals and splatted ground; skinned characters stand in their bind pose.
+Supported: every model of ``scene.xml`` in its finest detail, keyframed objects, textures, normal and gloss maps, vertex
+colours, sun, sky colours, the strongest lamps. Not supported: fog, particles, scrolling textures, waving grass, and the
+second texture layer of decals and splatted ground; skinned characters stand in their bind pose.
 """
 
 from pathlib import Path
@@ -13,12 +13,12 @@ from supersampling.scenes.scene import Mesh, Object, Route, Scene
 from supersampling.scenes.stk.attribution import attribution
 from supersampling.scenes.stk.data import Assets, data_folder, track_folder
 from supersampling.scenes.stk.images import linear
-from supersampling.scenes.stk.materials import Materials
+from supersampling.scenes.stk.materials import TrackMaterials
 from supersampling.scenes.stk.nodes import SceneReader, parse
 from supersampling.scenes.stk.placement import world_transform
 from supersampling.scenes.stk.routes import read_routes
 from supersampling.scenes.stk.sky import exposure_for, nearby_lamps, read_sky, read_sun, sky_files
-from supersampling.scenes.stk.spm import Buffer, read_spm
+from supersampling.scenes.stk.spm import MeshBuffer, read_spm
 
 _FLIP = np.array([1.0, 1.0, -1.0], np.float32)
 _NEAR = 0.2
@@ -26,10 +26,10 @@ _FARTHEST = 1000.0
 
 
 def load_track(name: str, root: Path | None = None) -> Scene:
-    """The track called ``name`` of the SuperTuxKart data in ``root`` (default: where `find_data` finds them).
+    """Return the track called ``name`` of the SuperTuxKart data in ``root`` (default: the folder of `find_data`).
 
     Raises:
-        UserError: the data are not installed, there is no such track, or a file of it cannot be read.
+        UserError: The data are not installed, the track does not exist, or one of its files cannot be read.
     """
     folder = track_folder(name, root)
     assets = Assets(data_folder(root), folder)
@@ -37,10 +37,10 @@ def load_track(name: str, root: Path | None = None) -> Scene:
     head = parse(folder / "track.xml") if (folder / "track.xml").is_file() else None
     reader = SceneReader(assets)
     reader.read(source)
-    geometry = _Geometry(Materials(assets, by_day=head is None or head.get("is-during-day", "Y") == "Y"))
+    geometry = _Geometry(TrackMaterials(assets, by_day=head is None or head.get("is-during-day", "Y") == "Y"))
     objects = []
     for model in reader.models:
-        meshes = geometry.meshes_of(model.path)
+        meshes = geometry.load(model.path)
         if meshes:
             objects.append(Object(meshes, world_transform(model.chain)))
     routes = read_routes(folder)
@@ -48,7 +48,7 @@ def load_track(name: str, root: Path | None = None) -> Scene:
     files = {model.path for model in reader.models} | geometry.materials.files | set(sky_files(source, assets))
     return Scene(
         name=f"stk/{name}",
-        materials=geometry.materials.made,
+        materials=geometry.materials.materials,
         meshes=geometry.meshes,
         objects=objects,
         routes=routes,
@@ -63,7 +63,7 @@ def load_track(name: str, root: Path | None = None) -> Scene:
 
 
 def _far(routes: list[Route], meshes: list[Mesh], objects: list[Object]) -> float:
-    """Far plane that holds the scenery seen from the middle of the routes, as far as a kilometre."""
+    """Return a far plane that contains the scenery as seen from the middle of the routes, up to a kilometre."""
     middle = np.concatenate([route.points for route in routes]).mean(axis=0)
     reach = [_FARTHEST * 0.3]
     for item in objects:
@@ -75,14 +75,14 @@ def _far(routes: list[Route], meshes: list[Mesh], objects: list[Object]) -> floa
 
 
 class _Geometry:
-    """Reads each mesh file once; a model placed many times shares its meshes."""
+    """Meshes of the track; each file is read once, so that instances of a model share its meshes."""
 
-    def __init__(self, materials: Materials) -> None:
+    def __init__(self, materials: TrackMaterials) -> None:
         self.meshes: list[Mesh] = []
         self.materials = materials
         self._files: dict[Path, tuple[int, ...]] = {}
 
-    def meshes_of(self, path: Path) -> tuple[int, ...]:
+    def load(self, path: Path) -> tuple[int, ...]:
         if path not in self._files:
             first = len(self.meshes)
             for buffer in read_spm(path):
@@ -90,15 +90,15 @@ class _Geometry:
             self._files[path] = tuple(range(first, len(self.meshes)))
         return self._files[path]
 
-    def _add(self, buffer: Buffer, folder: Path) -> None:
+    def _add(self, buffer: MeshBuffer, folder: Path) -> None:
         material = self.materials.number(buffer.textures, folder)
         if material is None or not len(buffer.triangles):
             return
-        # Grass keeps its swaying in the colours: they are not to be seen.
+        # Grass stores its swaying in the colours: do not draw them.
         sways = self.materials.attributes(buffer.textures, folder).get("shader") == "grass"
         colors = None if buffer.colors is None or sways else linear(buffer.colors / np.float32(255.0))
         uv = np.zeros((len(buffer.positions), 2), np.float32) if buffer.uv is None else buffer.uv
         positions, normals = buffer.positions * _FLIP, buffer.normals * _FLIP
-        # The game's front faces are clockwise on screen, ours are not.
+        # The game's front faces are clockwise on screen, the renderer's counter-clockwise.
         triangles = np.ascontiguousarray(buffer.triangles[:, ::-1])
         self.meshes.append(Mesh(positions, normals, uv, triangles, material, colors))

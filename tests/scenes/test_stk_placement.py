@@ -29,7 +29,8 @@ def test_an_animated_node_turns_about_x_then_z_then_y() -> None:
         '<object hpr="0 90 0"><curve channel="RotX" interpolation="linear" extend="const"><p c="1 90"/><p c="26 90"/></curve>'
         '<curve channel="RotZ" interpolation="linear" extend="const"><p c="1 90"/><p c="26 90"/></curve></object>'
     )
-    # About x: y to z, z to -y. About z: x to y, y to -x. About y: z to x, x to -z. So x to y; y to z to x; z to -y to x to -z.
+    # About x: y to z, z to -y. About z: x to y, y to -x. About y: z to x, x to -z. So x to y; y to z to x; z to -y to x
+    # to -z.
     expected = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     np.testing.assert_allclose(read_placement(node).matrix(0.4)[:3, :3], expected, atol=1e-12)
 
@@ -46,8 +47,8 @@ def test_a_child_moves_in_its_parents_frame_and_the_world_is_mirrored() -> None:
     child = read_placement(fromstring('<object xyz="0 0 5"/>'))
     transform = world_transform((parent, child))
     assert not callable(transform)
-    # Game space: (1, 0, 5) doubled is (2, 0, 10); about y, z to x and x to -z: (10, 0, -2); at (110, 0, -2). Here z is -z, so
-    # the game's (1, 0, 0) is ours too, and the result's z is 2.
+    # Game space: (1, 0, 5) doubled is (2, 0, 10); about y, z to x and x to -z: (10, 0, -2); at (110, 0, -2). Here z is
+    # -z, so the game's (1, 0, 0) is ours too, and the result's z is 2.
     np.testing.assert_allclose(transform @ np.array([1.0, 0.0, 0.0, 1.0]), [110.0, 0.0, 2.0, 1.0], atol=1e-5)
     # A rotation stays a rotation: no mirror is left in the matrix.
     assert np.linalg.det(transform[:3, :3]) == pytest.approx(8.0, rel=1e-5)

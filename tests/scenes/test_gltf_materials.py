@@ -1,12 +1,11 @@
-"""Materials and textures against the specification's formulas, and what comes out of the renderer."""
+"""Materials and textures against the specification's formulas, and their renderings."""
 
 import io
 from pathlib import Path
 
 import numpy as np
 import pytest
-from analytic_scenes import camera, still, whole
-from gltf_files import SQUARE_UV, Builder, data_uri, png
+from gltf_files import SQUARE_UV, Builder, data_uri, front_shot, png
 from PIL import Image
 
 from supersampling.render.renderer import Renderer
@@ -14,7 +13,6 @@ from supersampling.scenes.gltf import load_gltf
 from supersampling.scenes.scene import Material, Scene
 
 CHECKS = np.random.default_rng(0).integers(0, 256, (8, 4, 4), dtype=np.uint8)
-FRONT = camera((0.0, 0.0, 3.0))
 COLOR = frozenset({"color"})
 
 
@@ -34,7 +32,7 @@ def material_of(file: Builder, path: Path, **material: object) -> Material:
 
 
 def emission_of(made: Material) -> np.ndarray:
-    """What the scene's convention makes of a material: emission * glow, or else * albedo texture * blue of the surface map."""
+    """Return a material's emission: emission * glow, or without glow emission * albedo * blue of the surface map."""
     if made.glow is not None:
         return np.array(made.emission) * linear(made.glow)
     albedo = np.ones((1, 1, 3)) if made.albedo is None else linear(made.albedo[..., :3])
@@ -131,11 +129,11 @@ def test_an_emissive_texture_is_seen_exactly_and_leaves_the_surface_alone(
         emissiveFactor=[1.0, 0.5, 0.25],
         extensions={"KHR_materials_emissive_strength": {"emissiveStrength": 8.0}},
     )
-    filling = camera((0.0, 0.0, 1.0), fov=np.pi / 2)  # the square fills the image
-    with Renderer(scene, 64) as draw:
-        out = draw.low(still(filling, whole(96, 96)), 1, (0.0, 0.0), 0.0, frozenset({"emission", "albedo"}))
-    wanted = np.array((8.0, 4.0, 2.0)) * linear(CHECKS[..., :3]) * scene.exposure
-    np.testing.assert_allclose(out["emission"][6::12, 12::24], wanted, rtol=0.02, atol=2e-3)
+    shot = front_shot(1.0, 96, 96, np.pi / 2)  # the square fills the image
+    with Renderer(scene, 64) as renderer:
+        out = renderer.low(shot, 1, (0.0, 0.0), 0.0, frozenset({"emission", "albedo"}))
+    expected = np.array((8.0, 4.0, 2.0)) * linear(CHECKS[..., :3]) * scene.exposure
+    np.testing.assert_allclose(out["emission"][6::12, 12::24], expected, rtol=0.02, atol=2e-3)
     np.testing.assert_allclose(out["albedo"].reshape(-1, 3), np.tile(linear(paint[0, 0]), (96 * 96, 1)), atol=2e-3)
 
 

@@ -7,7 +7,7 @@ import pytest
 from gltf_files import Builder
 
 from supersampling.scenes.gltf import load_gltf
-from supersampling.scenes.gltf.nodes import Place
+from supersampling.scenes.gltf.nodes import NodeTransform
 from supersampling.scenes.gltf.survey import Survey, survey
 from supersampling.scenes.scene import Mesh
 
@@ -24,7 +24,7 @@ def box(inward: bool = False) -> Mesh:
 
 
 def surveyed(half: tuple[float, float, float], inward: bool) -> Survey:
-    return survey([box(inward)], [((0,), Place((np.diag([*half, 1.0]),)))])
+    return survey([box(inward)], [((0,), NodeTransform((np.diag([*half, 1.0]),)))])
 
 
 @pytest.mark.parametrize("inward", [False, True])
@@ -53,7 +53,7 @@ def test_bounds_hold_what_moves() -> None:
         matrix[0, 3] = 10.0 * np.sin(np.pi * seconds)
         return matrix
 
-    found = survey([box()], [((0,), Place((moved,)))])
+    found = survey([box()], [((0,), NodeTransform((moved,)))])
     np.testing.assert_allclose((found.lo, found.hi), [(-11, -1, -1), (11, 1, 1)], atol=0.1)
 
 

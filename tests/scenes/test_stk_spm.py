@@ -94,7 +94,7 @@ def test_a_file_cut_short_at_any_byte_is_refused_in_one_sentence(tmp_path: Path)
     vertices = random_vertices(3, "all")
     whole = spm_bytes([(vertices, (0, 1, 2), ("a.png", ""))], colors=True, tangents=True)
     for length in range(len(whole)):
-        with pytest.raises(UserError, match=r"mesh\.spm is no readable \.spm mesh"):
+        with pytest.raises(UserError, match=r"mesh\.spm is not a valid \.spm mesh"):
             read_spm(written(tmp_path, whole[:length]))
 
 

@@ -1,4 +1,4 @@
-"""Writes small glTF 2.0 files, by hand from the specification."""
+"""Builder of small glTF 2.0 files, written by hand from the specification."""
 
 import base64
 import io
@@ -12,14 +12,24 @@ import pytest
 from PIL import Image
 
 from supersampling.errors import UserError
+from supersampling.render.camera import Camera, Shot, Window
 from supersampling.scenes.gltf import load_gltf
 
 TYPES = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
 KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
-# A square of side 2 in the plane z = 0 that faces +z, counter-clockwise from the bottom left, and its texture coordinates.
+# A square of side 2 in the plane z = 0 that faces +z, counter-clockwise from the bottom left, and its texture
+# coordinates.
 SQUARE = ((-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0))
 SQUARE_UV = ((0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0))
 SQUARE_INDICES = (0, 1, 2, 0, 2, 3)
+
+
+def front_shot(distance: float, width: int, height: int, fov: float = 1.0) -> Shot:
+    """Return a still shot along -z from the given distance in front of the origin."""
+    view = np.eye(4)
+    view[2, 3] = -distance
+    camera = Camera(view, fov)
+    return Shot(camera, camera, 0.0, 0.0, Window(width, height, 0, 0, width, height))
 
 
 def png(pixels: Any, kind: str = "PNG") -> bytes:
@@ -33,7 +43,7 @@ def data_uri(data: bytes, kind: str = "application/octet-stream") -> str:
 
 
 class Builder:
-    """``json`` is the file's JSON, to be changed at will; ``blob`` its one buffer."""
+    """File under construction: ``json`` is its JSON, which tests may edit; ``blob`` its only buffer."""
 
     def __init__(self) -> None:
         self.json: dict[str, Any] = {"asset": {"version": "2.0"}}
@@ -63,17 +73,17 @@ class Builder:
         return self.add("materials", item)
 
     def square(self, material: int | None = None, **attributes: int) -> int:
-        """A mesh of one square."""
-        given = {"POSITION": self.accessor(SQUARE), "NORMAL": self.accessor([(0.0, 0.0, 1.0)] * 4)}
-        given |= {"TEXCOORD_0": self.accessor(SQUARE_UV), **attributes}
-        return self.mesh(given, indices=self.accessor(SQUARE_INDICES, "u2"), material=material)
+        """Add a mesh of one square."""
+        semantics = {"POSITION": self.accessor(SQUARE), "NORMAL": self.accessor([(0.0, 0.0, 1.0)] * 4)}
+        semantics |= {"TEXCOORD_0": self.accessor(SQUARE_UV), **attributes}
+        return self.mesh(semantics, indices=self.accessor(SQUARE_INDICES, "u2"), material=material)
 
     def mesh(self, attributes: dict[str, int], **primitive: Any) -> int:
-        kept = {key: value for key, value in primitive.items() if value is not None}
-        return self.add("meshes", {"primitives": [{"attributes": attributes, **kept}]})
+        options = {key: value for key, value in primitive.items() if value is not None}
+        return self.add("meshes", {"primitives": [{"attributes": attributes, **options}]})
 
     def node(self, **item: Any) -> int:
-        """A root node of the one scene, unless it becomes someone's child."""
+        """Add a node: a root of the scene, unless another node has it as a child."""
         return self.add("nodes", item)
 
     def light(self, **item: Any) -> int:
@@ -82,18 +92,13 @@ class Builder:
         return len(lights) - 1
 
     def animate(self, node: int, path: str, times: Any, values: Any, interpolation: str = "LINEAR") -> None:
-        """One animation of one channel."""
-        sampler = {
-            "input": self.accessor(times),
-            "output": self.accessor(values),
-            "interpolation": interpolation,
-        }
-        self.add(
-            "animations",
-            {"channels": [{"sampler": 0, "target": {"node": node, "path": path}}], "samplers": [sampler]},
-        )
+        """Add an animation of one channel."""
+        inputs, outputs = self.accessor(times), self.accessor(values)
+        sampler = {"input": inputs, "output": outputs, "interpolation": interpolation}
+        channel = {"sampler": 0, "target": {"node": node, "path": path}}
+        self.add("animations", {"channels": [channel], "samplers": [sampler]})
 
-    def finished(self) -> dict[str, Any]:
+    def complete(self) -> dict[str, Any]:
         if "scenes" not in self.json and "nodes" in self.json:
             children = {c for n in self.json["nodes"] for c in n.get("children", ())}
             roots = [k for k in range(len(self.json["nodes"])) if k not in children]
@@ -101,8 +106,8 @@ class Builder:
         return self.json
 
     def gltf(self, path: Path, uri: str | None = None) -> Path:
-        """JSON with a data URI, or with the buffer in the file ``uri``."""
-        head = self.finished()
+        """Write JSON with a data URI, or with the buffer in the file ``uri``."""
+        head = self.complete()
         if self.blob:
             if uri is not None:
                 (path.parent / uri).write_bytes(self.blob)
@@ -111,7 +116,7 @@ class Builder:
         return path
 
     def glb(self, path: Path) -> Path:
-        head = self.finished()
+        head = self.complete()
         if self.blob:
             head = {**head, "buffers": [{"byteLength": len(self.blob)}]}
         path.write_bytes(glb_bytes(json.dumps(head).encode(), self.blob))
@@ -133,8 +138,8 @@ def square_file() -> Builder:
     return file
 
 
-def refused(path: Path, words: str) -> None:
-    """The error's one sentence names the file, and what is wrong with it."""
+def check_error(path: Path, words: str) -> None:
+    """Assert that loading fails with a one-line message that contains ``words`` and the file's name."""
     with pytest.raises(UserError, match=words) as caught:
         load_gltf(path)
     message = str(caught.value)

@@ -1,23 +1,22 @@
-"""What a glTF file looks like, against the same scene built by hand and closed forms."""
+"""Renderings of glTF files against the same scene built by hand, and against closed forms."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from analytic_scenes import DARK, camera, still, whole
-from gltf_files import SQUARE, SQUARE_INDICES, SQUARE_UV, Builder
+from gltf_files import SQUARE, SQUARE_INDICES, SQUARE_UV, Builder, front_shot
 
 from supersampling.render.renderer import Renderer
 from supersampling.scenes.gltf import load_gltf
-from supersampling.scenes.scene import Material, Mesh, Object, Scene
+from supersampling.scenes.scene import Material, Mesh, Object, Scene, Sky
 
-FRONT = camera((0.0, 0.0, 3.0))
+DARK = Sky((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
 COLOR = frozenset({"color"})
 
 
 def picture(scene: Scene) -> np.ndarray:
     with Renderer(scene, shadow_size=256) as renderer:
-        return renderer.low(still(FRONT, whole(64, 48)), 1, (0.0, 0.0), 0.0, COLOR)["color"]
+        return renderer.low(front_shot(3.0, 64, 48), 1, (0.0, 0.0), 0.0, COLOR)["color"]
 
 
 def test_a_textured_square_renders_as_the_scene_built_by_hand(tmp_path: Path) -> None:
@@ -30,18 +29,15 @@ def test_a_textured_square_renders_as_the_scene_built_by_hand(tmp_path: Path) ->
     tilted = file.node(mesh=file.square(material), rotation=[np.sin(0.3), 0, 0, np.cos(0.3)])
     file.node(children=[tilted], rotation=[0, 0, half, half])
     loaded = load_gltf(file.glb(tmp_path / "a.glb"))
-    mesh = Mesh(
-        np.array(SQUARE, np.float32), np.tile(np.array((0, 0, 1), np.float32), (4, 1)), np.array(SQUARE_UV, np.float32),
-        np.array(SQUARE_INDICES, np.uint32).reshape(2, 3), 0,
-    )  # fmt: skip
+    normals = np.tile(np.array((0, 0, 1), np.float32), (4, 1))
+    triangles = np.array(SQUARE_INDICES, np.uint32).reshape(2, 3)
+    mesh = Mesh(np.array(SQUARE, np.float32), normals, np.array(SQUARE_UV, np.float32), triangles, 0)
     bump = np.tile(np.array((150, 200, 220), np.uint8), (4, 4, 1))
     c, s = np.cos(0.6), np.sin(0.6)
     # Tilted about x by 0.6, then a quarter turn about z.
-    turned = np.array([[0, -c, s, 0], [1, 0, 0, 0], [0, s, c, 0], [0, 0, 0, 1]], np.float32)
-    by_hand = Scene(
-        "by hand", [Material("m", pixels, bump, roughness=0.6)], [mesh], [Object((0,), turned)], [],
-        loaded.sun, (), loaded.sky, near=loaded.near, far=loaded.far,
-    )  # fmt: skip
+    rotation = np.array([[0, -c, s, 0], [1, 0, 0, 0], [0, s, c, 0], [0, 0, 0, 1]], np.float32)
+    materials, objects = [Material("m", pixels, bump, roughness=0.6)], [Object((0,), rotation)]
+    by_hand = replace(loaded, materials=materials, meshes=[mesh], objects=objects)
     image = picture(loaded)
     np.testing.assert_allclose(image, picture(by_hand), atol=1e-5)
     assert image[12:36, 16:48].std() > 0.05  # the texture is there

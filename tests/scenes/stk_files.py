@@ -28,7 +28,7 @@ def spm_bytes(
     tangents: bool = False,
     skinned: bool = False,
 ) -> bytes:
-    """An .spm file of one sector, each buffer ``(vertices, indices, (texture, second texture))`` with its own material."""
+    """Return an .spm file of one sector; buffers are ``(vertices, indices, (texture, second texture))``."""
     out = bytearray(b"SP")
     out += struct.pack("<BB", 1 << 3 | (1 if skinned else 2), normals | colors << 1 | tangents << 2)
     out += struct.pack("<6f", *range(6))

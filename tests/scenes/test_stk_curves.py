@@ -30,27 +30,27 @@ def stepped(seconds: float) -> float:
 
 @pytest.mark.parametrize(("interpolation", "truth"), [("bezier", bernstein), ("linear", straight), ("const", stepped)])
 def test_interpolations_agree_with_scipy(interpolation: str, truth: Callable[[float], float]) -> None:
-    one = curve(interpolation)
+    sampled = curve(interpolation)
     for seconds in np.linspace(0.0, 2.99, 41):
-        assert one.at(float(seconds)) == pytest.approx(truth(float(seconds)), abs=1e-9)
+        assert sampled.value(float(seconds)) == pytest.approx(truth(float(seconds)), abs=1e-9)
 
 
 def test_a_constant_extension_holds_the_ends() -> None:
-    one = curve()
-    assert one.at(-5.0) == pytest.approx(2.0)
-    assert one.at(100.0) == pytest.approx(-4.0)
+    sampled = curve()
+    assert sampled.value(-5.0) == pytest.approx(2.0)
+    assert sampled.value(100.0) == pytest.approx(-4.0)
 
 
 def test_a_cyclic_extension_repeats_every_three_seconds() -> None:
-    one = curve(extend="cyclic")
+    sampled = curve(extend="cyclic")
     for seconds in (0.2, 1.4, 2.9):
-        assert one.at(seconds + 3.0) == pytest.approx(bernstein(seconds), abs=1e-9)
-        assert one.at(seconds + 300.0) == pytest.approx(bernstein(seconds), abs=1e-6)
+        assert sampled.value(seconds + 3.0) == pytest.approx(bernstein(seconds), abs=1e-9)
+        assert sampled.value(seconds + 300.0) == pytest.approx(bernstein(seconds), abs=1e-6)
 
 
 def test_a_lone_key_and_keys_at_one_instant_are_constants() -> None:
-    assert curve(extend="cyclic", keys='<p c="10 4.5"/>').at(77.0) == 4.5
-    assert curve(extend="cyclic", keys='<p c="10 4.5"/><p c="10 6"/>').at(77.0) == 4.5
+    assert curve(extend="cyclic", keys='<p c="10 4.5"/>').value(77.0) == 4.5
+    assert curve(extend="cyclic", keys='<p c="10 4.5"/><p c="10 6"/>').value(77.0) == 4.5
 
 
 def test_frames_per_second_and_unknown_channels() -> None:
@@ -61,4 +61,4 @@ def test_frames_per_second_and_unknown_channels() -> None:
     text = text.replace('<p c="1 2 3"/>', "")
     curves = read_curves(fromstring(text))
     assert list(curves) == ["RotY"]
-    assert curves["RotY"].at(0.5) == pytest.approx(5.0)
+    assert curves["RotY"].value(0.5) == pytest.approx(5.0)

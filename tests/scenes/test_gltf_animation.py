@@ -8,7 +8,7 @@ from gltf_files import Builder
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from supersampling.render.paths import routes_of
+from supersampling.render.paths import split_routes
 from supersampling.scenes.gltf import load_gltf
 from supersampling.scenes.scene import Scene
 
@@ -109,7 +109,7 @@ def test_every_split_has_several_routes_that_see_the_scene(size: float, tmp_path
     scene = loaded(file, tmp_path)
     centres = []
     for split in ("train", "val", "test"):
-        routes = routes_of(scene, split)
+        routes = split_routes(scene, split)
         assert len(routes) >= 3
         for route in routes:
             assert np.linalg.norm(np.diff(route.points, axis=0), axis=1).sum() > 0.5
