@@ -45,6 +45,7 @@ def parse_arguments(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--aptopt", action="append", default=[], help="line or file of apt options for mmdebstrap")
     parser.add_argument("--bind", action="append", default=[], metavar="PATH", help="show PATH in the root, read-only")
     parser.add_argument("--env", action="append", default=[], metavar="NAME", help="pass the variable NAME on")
+    parser.add_argument("--keep", action="store_true", help="leave the root where it is, for a look around")
     parser.add_argument("--lines", type=int, default=15, help="last lines to print of each command (default: 15)")
     parser.add_argument(
         "--logs", type=Path, default=REPOSITORY / ".cache" / "clean_root", help="folder of whole outputs"
@@ -114,14 +115,20 @@ def chroot_command(root: Path, binds: dict[Path, str], environment: dict[str, st
 @contextmanager
 def clean_root(options: argparse.Namespace) -> Iterator[Path]:
     """Make a minimal Debian in a temporary folder, and remove it in the end."""
-    with tempfile.TemporaryDirectory(prefix="clean-root-") as folder:
-        root = Path(folder) / "root"
+    folder = Path(tempfile.mkdtemp(prefix="clean-root-"))
+    try:
+        root = folder / "root"
         aptopt = [f"--aptopt={option}" for option in options.aptopt]
         words = ["mmdebstrap", "--variant=minbase", f"--include={PACKAGES}", *aptopt, options.suite, str(root)]
-        made = subprocess.run([*words, *options.mirror], capture_output=True, text=True)
-        if made.returncode:
-            sys.exit(f"{made.stderr[-2000:]}\nmmdebstrap failed: give it a reachable --mirror.")
+        created = subprocess.run([*words, *options.mirror], capture_output=True, text=True)
+        if created.returncode:
+            sys.exit(f"{created.stderr[-2000:]}\nmmdebstrap failed: give it a reachable --mirror.")
         yield root
+    finally:
+        if options.keep:
+            print(f"The root stays in {folder}.")
+        else:
+            shutil.rmtree(folder)
 
 
 def run(command: list[str], log: Path) -> tuple[int, float, list[str]]:
@@ -130,7 +137,7 @@ def run(command: list[str], log: Path) -> tuple[int, float, list[str]]:
     with log.open("wb") as file:
         status = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT).returncode
     # A progress bar returns to the start of its line: only its last state counts.
-    lines = [line.rsplit("\r", 1)[-1] for line in log.read_bytes().decode(errors="replace").splitlines()]
+    lines = [line.rstrip("\r").rsplit("\r", 1)[-1] for line in log.read_bytes().decode(errors="replace").split("\n")]
     return status, (time.monotonic() - start) / 60, [line for line in lines if line.strip()]
 
 
@@ -144,6 +151,8 @@ def main(arguments: list[str]) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     binds, environment = bound_paths(options.bind), passed_environment(options.env)
     options.logs.mkdir(parents=True, exist_ok=True)
+    for log in options.logs.glob("*.log"):
+        log.unlink()
     start = time.monotonic()
     with clean_root(options) as root:
         copy_files(tracked_files(REPOSITORY), REPOSITORY, root / FOLDER.lstrip("/"))
