@@ -92,10 +92,10 @@ def test_no_such_track(name, tmp_path):
     track.mkdir(parents=True)
     for file in ("scene.xml", "quads.xml"):
         (track / file).write_text("<scene/>")
-    sentence = f"There is no SuperTuxKart track {name}"
+    sentence = f"Unknown SuperTuxKart track {name}"
     status, said = run(tmp_path, "render.py", f"scene=stk/{name}", SUPERTUXKART_DATADIR=str(tmp_path / "game"))
     assert (status, said.count("\n")) == (2, 1)
-    assert f"{sentence}: the tracks are lane." in said
+    assert f"{sentence}: use one of lane." in said
     status, said = run(tmp_path, "render.py", f"scene=stk/{name}", SUPERTUXKART_DATADIR="")
     assert (status, said.count("\n")) == (2, 1)
     assert ("SuperTuxKart's data are not installed" if find_data() is None else sentence) in said

@@ -227,7 +227,7 @@ def test_missing_track_and_missing_data_differ(name: str, tmp_path: Path, monkey
     with pytest.raises(UserError, match=r"^SuperTuxKart's data are not installed: apt-get install supertuxkart-data"):
         load_track(name)
     write_track(tmp_path, "square", "")
-    with pytest.raises(UserError, match=f"^There is no SuperTuxKart track {re.escape(name)}: the tracks are square"):
+    with pytest.raises(UserError, match=f"^Unknown SuperTuxKart track {re.escape(name)}: use one of square"):
         load_track(name)
 
 
