@@ -159,7 +159,7 @@ def line(name: str, asked: Mapping[str, str], rate: float) -> None:
 def main() -> None:
     asked = DEFAULTS | dict(word.split("=", 1) for word in sys.argv[1:])
     torch.set_num_threads(int(asked["threads"]))
-    memory.keep()
+    memory.retain_freed()
     clock = CLOCKS[asked["clock"]]
     kernels = Kernels(torch.device("cpu"), torch.float32)
     rate = kernels.macs / min(fastest(product, clock, 20) for product in kernels.products)

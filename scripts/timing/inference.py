@@ -13,7 +13,6 @@ of listing over backend, with its quartiles; ``apart`` is the largest difference
 
 import argparse
 import copy
-import json
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -26,7 +25,7 @@ from listing import MasterNet
 from torch import Tensor
 
 from supersampling.deploy.check import arrays
-from supersampling.deploy.describe import describe
+from supersampling.deploy.describe import write
 from supersampling.deploy.graph import export
 from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OnnxRuntime, OpenVINO, Runtime
@@ -140,9 +139,7 @@ def exported(model: Upsampler, frames: Sequence[Frame], runtime: Runtime, folder
     with torch.inference_mode(False), torch.no_grad():
         graphs = export(copy.deepcopy(model), (w, h))
     folder.mkdir()
-    graphs.other.save(str(folder / "next.onnx"))
-    graphs.first.save(str(folder / "first.onnx"))
-    (folder / "next.json").write_text(json.dumps(describe(model, graphs, ("first.onnx", "next.onnx"), {}, {})))
+    write(folder / "next.onnx", model, graphs)
     runner, given = Runner(folder / "next.onnx", runtime), [arrays(frame) for frame in frames]
     return lambda t, state: (torch.from_numpy(runner(given[t])), None)  # the runner keeps the state
 
