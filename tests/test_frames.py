@@ -1,8 +1,11 @@
 """Tests of frames and of clips whose buffers begin at different times."""
 
+import hashlib
+
 import pytest
 import torch
 
+from supersampling.data.dataset_file import describe
 from supersampling.frames import BUFFERS, Frame, clip_length
 
 
@@ -65,3 +68,9 @@ def test_need_returns_tensors_in_order_and_names_missing_buffers():
         frame.need("color", "motion", "jitter")
     with pytest.raises(AttributeError):
         frame.need("colour")
+
+
+def test_descriptions_stored_in_files_stay():
+    """Every data set file stores these texts, so a changed word changes its bytes."""
+    text = describe(sorted(BUFFERS))
+    assert hashlib.sha256(text.encode()).hexdigest()[:16] == "bad3b3b96500a073"

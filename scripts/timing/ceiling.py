@@ -165,7 +165,7 @@ def print_model(name: str, options: Mapping[str, str], rate: float) -> None:
 def main() -> None:
     options = DEFAULTS | dict(argument.split("=", 1) for argument in sys.argv[1:])
     torch.set_num_threads(int(options["threads"]))
-    memory.keep()
+    memory.retain_freed()
     clock = CLOCKS[options["clock"]]
     kernels = Kernels(torch.device("cpu"), torch.float32)
     rate = kernels.macs / min(fastest(product, clock, 20) for product in kernels.products)

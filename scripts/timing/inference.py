@@ -14,7 +14,6 @@ first line it is the listing's rounding error.
 
 import argparse
 import copy
-import json
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -27,7 +26,7 @@ from listing import MasterNet
 from torch import Tensor
 
 from supersampling.deploy.check import arrays
-from supersampling.deploy.describe import describe
+from supersampling.deploy.describe import write
 from supersampling.deploy.graph import export
 from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OnnxRuntime, OpenVINO, Runtime
@@ -131,12 +130,9 @@ def export_step(model: Upsampler, frames: Sequence[Frame], runtime: Runtime, fol
     with torch.inference_mode(False), torch.no_grad():
         graphs = export(copy.deepcopy(model), (w, h))
     folder.mkdir()
-    graphs.other.save(str(folder / "next.onnx"))
-    graphs.first.save(str(folder / "first.onnx"))
-    (folder / "next.json").write_text(json.dumps(describe(model, graphs, ("first.onnx", "next.onnx"), {}, {})))
+    write(folder / "next.onnx", model, graphs)
     runner, inputs = Runner(folder / "next.onnx", runtime), [arrays(frame) for frame in frames]
-    # The runner keeps the state.
-    return lambda t, state: (torch.from_numpy(runner(inputs[t])), None)
+    return lambda t, state: (torch.from_numpy(runner(inputs[t])), None)  # the runner keeps the state
 
 
 def differences(steps: dict[str, Step], exact: Step, frames: int) -> dict[str, tuple[float, float, Any]]:

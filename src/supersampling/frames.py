@@ -72,7 +72,7 @@ _SHADING = (
     ),
     Buffer(
         "emission", 3, "low", "float16",
-        "exposed radiance that bypasses demodulation: emitted light, interface elements, the sky", _HALF, "light",
+        "exposed radiance that passes beside demodulation: emitted light, interface elements, the sky", _HALF, "light",
     ),
     Buffer("object_id", 1, "low", "uint16", "number of the scene's object, from 1; sky is 0", "[0, 65535]", "id"),
 )  # fmt: skip
@@ -86,7 +86,7 @@ BUFFERS: dict[str, Buffer] = {
     b.name: b
     for b in (
         Buffer(
-            "color", 3, "low", "uint8", "display-referred sRGB, one sample per pixel at centre + jitter", "[0, 1]",
+            "color", 3, "low", "uint8", "display-referred sRGB, one sample a pixel at centre + jitter", "[0, 1]",
             "display",
         ),
         *_SHADING,

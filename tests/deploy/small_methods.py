@@ -1,4 +1,4 @@
-"""Methods of a few operations, each with what makes an export go wrong."""
+"""Methods of a few operations, each with something that makes an export go wrong."""
 
 from typing import NamedTuple
 
@@ -18,7 +18,7 @@ class Memory(NamedTuple):
 
 
 class Aliasing(Upsampler[Memory]):
-    """A state of one tensor twice, of an input itself, and of one that no image's size is in; a present of its own."""
+    """A state that holds the same tensor twice, an input itself, and a tensor without image axes; its own `present`."""
 
     scale = 2
     requires = frozenset({"color", "motion", "jitter", "high_albedo"})
@@ -28,10 +28,7 @@ class Aliasing(Upsampler[Memory]):
         self.mix = nn.Conv2d(9, 3, 3, padding=1)
 
     def forward(self, frame: Frame, state: Memory | None) -> tuple[Tensor, Memory]:
-        color, motion, jitter = frame.color, frame.motion, frame.jitter
-        assert color is not None
-        assert motion is not None
-        assert jitter is not None
+        color, motion, jitter = frame.need("color", "motion", "jitter")
         if state is None:
             state = Memory((color, color), jitter, color.mean(dim=(2, 3)))
         moved = warp(state.window[0], motion)
@@ -42,12 +39,11 @@ class Aliasing(Upsampler[Memory]):
         return output, Memory((mixed, state.window[0]), jitter, mean)
 
     def present(self, output: Tensor, frame: Frame) -> Tensor:
-        assert frame.high_albedo is not None
-        return (0.5 * output * frame.high_albedo).clamp(0.0, 1.0)
+        return (0.5 * output * frame.need("high_albedo")).clamp(0.0, 1.0)
 
 
 class Even(Upsampler[tuple[()]]):
-    """No state, and a branch on the size: rows and columns in pairs, else something else."""
+    """No state, and a branch on the size: half the brightness unless ``pair`` divides rows and columns."""
 
     scale = 2
     requires = frozenset({"color"})
@@ -57,19 +53,18 @@ class Even(Upsampler[tuple[()]]):
         self.pair = pair
 
     def forward(self, frame: Frame, state: tuple[()] | None) -> tuple[Tensor, tuple[()]]:
-        assert frame.color is not None
-        if any(n % self.pair for n in frame.color.shape[-2:]):
-            return F.interpolate(frame.color, scale_factor=2.0) * 0.5, ()
-        return F.interpolate(frame.color, scale_factor=2.0), ()
+        color = frame.need("color")
+        if any(n % self.pair for n in color.shape[-2:]):
+            return F.interpolate(color, scale_factor=2.0) * 0.5, ()
+        return F.interpolate(color, scale_factor=2.0), ()
 
 
 class Growing(Upsampler[tuple[Tensor, ...]]):
-    """A state that has one frame more after every frame."""
+    """A state that grows by one frame with each frame."""
 
     scale = 2
     requires = frozenset({"color"})
 
     def forward(self, frame: Frame, state: tuple[Tensor, ...] | None) -> tuple[Tensor, tuple[Tensor, ...]]:
-        assert frame.color is not None
-        window = torch.cat((*(state or ()), frame.color), dim=1)
+        window = torch.cat((*(state or ()), frame.need("color")), dim=1)
         return F.interpolate(window[:, :3], scale_factor=2.0), (window,)

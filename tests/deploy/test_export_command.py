@@ -1,4 +1,4 @@
-"""What ``export.py`` writes, says and refuses."""
+"""Files, output and errors of ``export.py``."""
 
 import json
 
@@ -14,16 +14,16 @@ from supersampling.models.jau import JAU
 
 @pytest.fixture
 def configure(entry, tmp_path):
-    given = ["scene=atrium", "model=jau", "threads=1", "check=4", f"out={tmp_path}/jau.onnx"]
-    return lambda *overrides: entry("export", *given, *overrides)
+    settings = ["scene=atrium", "model=jau", "threads=1", "check=4", f"out={tmp_path}/jau.onnx"]
+    return lambda *overrides: entry("export", *settings, *overrides)
 
 
-def test_a_method_without_state_is_one_graph_and_runs_on_a_data_set(configure, make_file, tmp_path, capsys):
+def test_method_without_state_is_one_graph_and_runs_on_a_data_set(configure, make_file, tmp_path, capsys):
     data = make_file(tmp_path, "test", frames=3)
     export(configure("data=files", f"data.test=[{data}]", "frames=data"))
-    said = capsys.readouterr().out
-    assert "onnxruntime: at most" in said
-    assert "openvino: at most" in said
+    output = capsys.readouterr().out
+    assert "onnxruntime: at most" in output
+    assert "openvino: at most" in output
     assert sorted(p.name for p in tmp_path.iterdir() if p.suffix != ".h5") == ["jau.json", "jau.onnx"]
     description = json.loads((tmp_path / "jau.json").read_text())
     assert description["method"] == "jau"
@@ -31,12 +31,12 @@ def test_a_method_without_state_is_one_graph_and_runs_on_a_data_set(configure, m
     assert description["graphs"] == {"first": "jau.onnx", "next": "jau.onnx"}
     assert description["state"] == []
     assert len(description["jitter"]["sequence"]) == 16
-    runners = {"again": Runner(tmp_path / "jau.onnx", OnnxRuntime(threads=1))}
+    runners = {"onnxruntime": Runner(tmp_path / "jau.onnx", OnnxRuntime(threads=1))}
     frames = recorded_frames(data, JAU(4).requires, None, 1, 5)
-    assert compare(JAU(4), runners, frames)["again"].largest < 1e-5
+    assert compare(JAU(4), runners, frames)["onnxruntime"].largest < 1e-5
 
 
-def test_what_is_too_far_off_is_not_written(configure, monkeypatch, tmp_path):
+def test_graph_above_the_tolerance_is_not_written(configure, monkeypatch, tmp_path):
     from supersampling.commands import export as command
 
     monkeypatch.setattr(command, "compare", lambda *_: {"openvino": Difference(0.25, 3, 0.1)})
@@ -60,11 +60,11 @@ def test_what_is_too_far_off_is_not_written(configure, monkeypatch, tmp_path):
         ("checkpoint=none.ckpt", "none.ckpt"),
     ],
 )
-def test_mistakes(override, part, configure):
+def test_invalid_settings(override, part, configure):
     with pytest.raises(UserError, match=part):
         export(configure(override))
 
 
-def test_checkpoint_and_run_exclude_each_other(configure):
+def test_checkpoint_excludes_run(configure):
     with pytest.raises(UserError, match="exclude each other"):
         export(configure("checkpoint=a.ckpt", "run=b"))

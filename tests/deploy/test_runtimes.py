@@ -1,4 +1,4 @@
-"""What loading and dropping graphs leaves of the process."""
+"""State of the process after graphs are loaded and deleted."""
 
 import gc
 
@@ -13,16 +13,16 @@ from supersampling.deploy.runtimes import OnnxRuntime, OpenVINO
 
 @pytest.fixture
 def graph(tmp_path):
-    """A file of ``y = 2 x``."""
+    """The file of a graph that computes ``y = 2 x``."""
     x, y = (helper.make_tensor_value_info(name, TensorProto.FLOAT, [3]) for name in "xy")
-    made = helper.make_graph([helper.make_node("Add", ["x", "x"], ["y"])], "twice", [x], [y])
+    content = helper.make_graph([helper.make_node("Add", ["x", "x"], ["y"])], "twice", [x], [y])
     path = tmp_path / "twice.onnx"
-    onnx.save(helper.make_model(made, opset_imports=[helper.make_opsetid("", 18)], ir_version=10), path)
+    onnx.save(helper.make_model(content, opset_imports=[helper.make_opsetid("", 18)], ir_version=10), path)
     return path
 
 
 @pytest.mark.parametrize("runtime", [OpenVINO(threads=1), OnnxRuntime(threads=1)], ids=lambda r: r.name)
-def test_graphs_that_end_in_the_order_in_which_they_began_leave_signals_their_stack(graph, runtime):
+def test_signal_stack_after_graphs_are_deleted_in_the_order_of_loading(graph, runtime):
     sessions = [runtime.load(graph) for _ in range(3)]
     while sessions:
         x = np.arange(3, dtype=np.float32)

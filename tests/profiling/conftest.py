@@ -1,4 +1,4 @@
-"""The configuration of the benchmark."""
+"""Configuration of the benchmark."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,5 +9,5 @@ from omegaconf import DictConfig
 
 @pytest.fixture
 def composed(entry: Callable[..., DictConfig]) -> Callable[..., DictConfig]:
-    """``composed("model=dlctus", ...)``: what the benchmark would get."""
+    """Return a function: ``composed("model=dlctus", ...)`` is the configuration of the benchmark."""
     return partial(entry, "benchmark")

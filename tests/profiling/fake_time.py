@@ -1,4 +1,4 @@
-"""A clock that stands still unless somebody works, and methods that work for a known time."""
+"""A clock that moves only when `Clock.work` is called, and methods that work for a known time."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from supersampling.models.base import Upsampler
 
 
 class Clock:
-    """Seconds, as `time.perf_counter` gives them."""
+    """A clock in seconds, with the interface of `time.perf_counter`."""
 
     def __init__(self) -> None:
         self.now = 100.0
@@ -22,8 +22,8 @@ class Clock:
         self.now += seconds
 
 
-class Takes(nn.Module):
-    """Takes so many seconds, then calls its children."""
+class Working(nn.Module):
+    """A module that works for ``seconds``, then calls its children."""
 
     def __init__(self, clock: Clock, seconds: float, **children: nn.Module) -> None:
         super().__init__()
@@ -38,18 +38,21 @@ class Takes(nn.Module):
         return x
 
 
-class Timed(Upsampler[Any]):
-    """1 s itself; ``prepare`` 2 s and within it the module ``warp`` 4 s, twice; ``net`` 8 s with ``inner`` 16 s; two blocks of a
-    list, 32 s and 64 s."""
+class WorkingMethod(Upsampler[Any]):
+    """A method of known times.
+
+    It takes 1 s itself; ``prepare`` 2 s, and in it the module ``warp`` twice 4 s; ``net`` 8 s with ``inner`` 16 s; two
+    blocks of a list 32 s and 64 s.
+    """
 
     requires = frozenset({"color"})
 
     def __init__(self, clock: Clock) -> None:
         super().__init__()
         self.scale, self.clock = 2, clock
-        self.warp = Takes(clock, 4.0)
-        self.net = Takes(clock, 8.0, inner=Takes(clock, 16.0))
-        self.blocks = nn.ModuleList([Takes(clock, 32.0), Takes(clock, 64.0)])
+        self.warp = Working(clock, 4.0)
+        self.net = Working(clock, 8.0, inner=Working(clock, 16.0))
+        self.blocks = nn.ModuleList([Working(clock, 32.0), Working(clock, 64.0)])
 
     def prepare(self, x):
         self.clock.work(2.0)

@@ -1,4 +1,4 @@
-"""Every backend gives what the method itself gives, frame after frame; one that is not there says so."""
+"""Images of each backend against the method's, frame by frame; reasons of backends that do not run."""
 
 import importlib.util
 from dataclasses import replace
@@ -10,27 +10,27 @@ from hydra.utils import instantiate
 
 from supersampling.deploy.check import random_frames
 from supersampling.models.bicubic import Bicubic
-from supersampling.profiling.backends import ChannelsLast, Compile, Eager, Setting
+from supersampling.profiling.backends import ChannelsLast, Compile, Eager, LoadOptions
 from supersampling.profiling.bound import BoundStream
-from supersampling.profiling.graphs import Exported, TensorRT, WithOnnxRuntime, WithOpenVINO
+from supersampling.profiling.graphs import GraphBackend, OnnxRuntimeBackend, OpenVINOBackend, TensorRTBackend
 from supersampling.render.jitter import jitter_sequence
 
 CPU = torch.device("cpu")
 SIZE = (16, 12)
 JITTERS = torch.from_numpy(jitter_sequence("thesis", 4))
-SETTING = Setting(*SIZE, "float32", CPU, 1, JITTERS)
+OPTIONS = LoadOptions(width=SIZE[0], height=SIZE[1], precision="float32", device=CPU, threads=1, jitters=JITTERS)
 
 
-class Bound(Exported):
-    """What runs on CUDA, on the processor."""
+class BoundBackend(GraphBackend):
+    """The stream for CUDA, on the processor."""
 
     name, module = "bound", "onnxruntime"
 
-    def refused(self, device, precision):
+    def limitation(self, device, precision):
         return ""
 
-    def open(self, path, setting):
-        return BoundStream(path, ["CPUExecutionProvider"], setting)
+    def open(self, path, options):
+        return BoundStream(path, ["CPUExecutionProvider"], options)
 
 
 def images(stream, frames):
@@ -39,7 +39,7 @@ def images(stream, frames):
 
 @pytest.fixture(scope="module", params=["dlctus", pytest.param("enss_s", marks=pytest.mark.slow)])
 def method(request):
-    """A configuration, frames, and the images that the method makes of them when it is called as models are."""
+    """Return a function that creates a method, frames, and the method's images of them when it is called directly."""
     from hydra import compose, initialize_config_dir
     from hydra.core.global_hydra import GlobalHydra
 
@@ -47,82 +47,88 @@ def method(request):
     with initialize_config_dir(str(Path(__file__).resolve().parents[2] / "conf"), version_base="1.3"):
         config = compose("benchmark", [f"model={request.param}"]).model
 
-    def make():
+    def create():
         torch.manual_seed(0)
         return instantiate(config)
 
-    model = make().eval()
+    model = create().eval()
     frames = list(random_frames(model, SIZE, 6, JITTERS))
     state, expected = None, []
     with torch.no_grad():
         for frame in frames:
             output, state = model(frame, state)
             expected.append(model.present(output, frame))
-    return make, frames, torch.stack(expected)
+    return create, frames, torch.stack(expected)
 
 
 @pytest.mark.parametrize(
     "backend",
-    [Eager(), ChannelsLast(), WithOnnxRuntime(), WithOpenVINO(), Bound(), pytest.param(Compile(), marks=pytest.mark.slow)],
+    [
+        Eager(),
+        ChannelsLast(),
+        OnnxRuntimeBackend(),
+        OpenVINOBackend(),
+        BoundBackend(),
+        pytest.param(Compile(), marks=pytest.mark.slow),
+    ],
     ids=lambda b: b.name,
-)  # fmt: skip
-def test_it_is_the_method(method, backend):
-    make, frames, expected = method
+)
+def test_images_equal_those_of_the_method(method, backend):
+    create, frames, expected = method
     assert backend.missing(CPU, "float32") == ""
-    stream = backend.load(make(), SETTING)
-    found = images(stream, frames)
-    assert found.shape == expected.shape
-    assert (found - expected).abs().max() < 1e-4
-    # A state that were not carried would show: the same frames make other images without their past.
-    assert (images(backend.load(make(), SETTING), frames[-1:]) - expected[-1:]).abs().max() > 1e-2
+    stream = backend.load(create(), OPTIONS)
+    actual = images(stream, frames)
+    assert actual.shape == expected.shape
+    assert (actual - expected).abs().max() < 1e-4
+    # The state matters: without the frames before it, the last frame gives another image.
+    assert (images(backend.load(create(), OPTIONS), frames[-1:]) - expected[-1:]).abs().max() > 1e-2
     assert stream.shapes()
     stream.reset()
-    assert torch.equal(images(stream, frames[:2]), found[:2])
+    assert torch.equal(images(stream, frames[:2]), actual[:2])
 
 
 @pytest.mark.parametrize("backend", [Eager(), ChannelsLast()], ids=lambda b: b.name)
-def test_half_precision_is_near(method, backend):
-    make, frames, expected = method
-    found = images(backend.load(make(), replace(SETTING, precision="bfloat16")), frames)
-    apart = (found - expected).abs().max()
-    assert 1e-5 < apart < 0.03
+def test_half_precision_is_near_float32(method, backend):
+    create, frames, expected = method
+    actual = images(backend.load(create(), replace(OPTIONS, precision="bfloat16")), frames)
+    assert 1e-5 < (actual - expected).abs().max() < 0.03
 
 
-def test_a_frame_is_laid_out_as_the_backend_reads_it(method):
-    make, frames, _ = method
-    prepared = ChannelsLast().load(make(), SETTING).prepare(frames[0])
+def test_memory_layout_of_a_frame(method):
+    create, frames, _ = method
+    prepared = ChannelsLast().load(create(), OPTIONS).prepare(frames[0])
     assert prepared.color.is_contiguous(memory_format=torch.channels_last)
     assert torch.equal(prepared.color, frames[0].color)
-    convolutions = [m for m in ChannelsLast().load(make(), SETTING).model.modules() if isinstance(m, torch.nn.Conv2d)]
+    convolutions = [m for m in ChannelsLast().load(create(), OPTIONS).model.modules() if isinstance(m, torch.nn.Conv2d)]
     assert all(c.weight.is_contiguous(memory_format=torch.channels_last) for c in convolutions)
 
 
-def test_what_is_compiled_has_no_parts():
-    assert Eager().load(Bicubic(2), SETTING).model is not None
-    assert Compile().load(Bicubic(2), SETTING).model is None
+def test_compiled_method_has_no_parts():
+    assert Eager().load(Bicubic(2), OPTIONS).model is not None
+    assert Compile().load(Bicubic(2), OPTIONS).model is None
 
 
-def test_graphs_are_gone_once_they_are_loaded(monkeypatch, tmp_path):
+def test_graph_files_are_deleted_after_loading(monkeypatch, tmp_path):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    WithOnnxRuntime().load(Bicubic(2), replace(SETTING, jitters=None))
+    OnnxRuntimeBackend().load(Bicubic(2), replace(OPTIONS, jitters=None))
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
     ("backend", "device", "precision", "sentence"),
     [
-        (TensorRT(), "cpu", "float32", "TensorRT needs an NVIDIA GPU."),
-        (WithOpenVINO(), "cuda", "float32", "OpenVINO does not run on CUDA."),
-        (WithOnnxRuntime(), "cpu", "bfloat16", "ONNX Runtime runs a float32 graph in float32"),
-        (WithOnnxRuntime(), "cuda", "float32", "has no CUDAExecutionProvider: pip install onnxruntime-gpu."),
-        (Eager(), "cpu", "int8", "It does not compute in int8: that needs a quantised graph."),
+        (TensorRTBackend(), "cpu", "float32", "TensorRT needs an NVIDIA GPU."),
+        (OpenVINOBackend(), "cuda", "float32", "OpenVINO does not run on CUDA."),
+        (OnnxRuntimeBackend(), "cpu", "bfloat16", "ONNX Runtime runs a float32 graph in float32"),
+        (OnnxRuntimeBackend(), "cuda", "float32", "has no CUDAExecutionProvider: pip install onnxruntime-gpu."),
+        (Eager(), "cpu", "int8", "needs a quantised graph: use backends=[int8]."),
     ],
 )
-def test_what_does_not_run_says_why(backend, device, precision, sentence):
+def test_reasons_of_missing_backends(backend, device, precision, sentence):
     assert sentence in backend.missing(torch.device(device), precision)
 
 
-def test_what_is_not_installed_says_so(monkeypatch):
+def test_reasons_of_programs_that_are_not_installed(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    assert WithOpenVINO().missing(CPU, "float32") == "openvino is not installed: pip install openvino."
-    assert TensorRT().missing(torch.device("cuda"), "float32").endswith("pip install onnxruntime.")
+    assert OpenVINOBackend().missing(CPU, "float32") == "openvino is not installed: pip install openvino."
+    assert TensorRTBackend().missing(torch.device("cuda"), "float32").endswith("pip install onnxruntime.")

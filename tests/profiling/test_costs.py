@@ -1,4 +1,4 @@
-"""Which variants are measured, on which clips, and why others are not."""
+"""Measured variants, their clips, and the reasons of missing variants."""
 
 import pytest
 import torch
@@ -34,8 +34,8 @@ class Absent(Backend):
         raise AssertionError
 
 
-class Refusing(Absent):
-    name = "refusing"
+class Failing(Absent):
+    name = "failing"
 
     def missing(self, device, precision):
         return ""
@@ -44,22 +44,22 @@ class Refusing(Absent):
         raise RuntimeError("no such kernel\nand more")
 
 
-def test_what_can_run_is_measured_and_the_rest_said(make_file, tmp_path):
+def test_variants_are_measured_or_have_a_reason(make_file, tmp_path):
     file = make_file(tmp_path, "test", clips=2, frames=3)
     model = Network().to(memory_format=torch.channels_last)
     before = [p.clone() for p in model.parameters()]
-    wanted = [(Eager(), "float32"), (Absent(), "bfloat16"), (Refusing(), "float16")]
-    rows, whys = measure(model, wanted, [file], Continuous(), None, 1)
-    assert whys == {("absent", "bfloat16"): "It is not installed.", ("refusing", "float16"): "no such kernel"}
+    combinations = [(Eager(), "float32"), (Absent(), "bfloat16"), (Failing(), "float16")]
+    rows, reasons = measure(model, combinations, [file], Continuous(), None, 1)
+    assert reasons == {("absent", "bfloat16"): "It is not installed.", ("failing", "float16"): "no such kernel"}
     assert list(rows["frame"]) == [0, 1, 2]  # of the scene's first clip
     assert list(rows["changed"]) == pytest.approx(list(rows["psnr"]), abs=1e-4)
     assert rows["machine"].nunique() == 1
     assert all(torch.equal(a, b) for a, b in zip(before, model.parameters()))
-    every, _ = measure(model, wanted[:1], [file], Continuous(), None, 1, every_clip=True)
-    assert len(every) == 6
+    all_rows, _ = measure(model, combinations[:1], [file], Continuous(), None, 1, all_clips=True)
+    assert len(all_rows) == 6
 
 
-def test_files_of_several_sizes(make_file, tmp_path):
+def test_files_of_several_sizes_are_an_error(make_file, tmp_path):
     files = [make_file(tmp_path, "test"), make_file(tmp_path, "val", size=32)]
     with pytest.raises(UserError, match="12x12.*8x8"):
         measure(Network(), [(Eager(), "float32")], files, Continuous(), None, 1)

@@ -1,6 +1,7 @@
-"""What a precision changes, of a method with errors that are known, and of rounding that is real."""
+"""Effect of a precision on quality, for a method of known errors and for real rounding."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -12,13 +13,13 @@ from supersampling.data.clips import WholeClips
 from supersampling.frames import Frame
 from supersampling.metrics.prepare import Continuous
 from supersampling.models.base import Upsampler
-from supersampling.profiling.backends import Eager, Setting
-from supersampling.profiling.drift import calibration, first_clips, roll
+from supersampling.profiling.backends import Eager, LoadOptions
+from supersampling.profiling.drift import calibration_clips, first_clips, roll
 from supersampling.runs.drift import KEYS, changes, costs, slope
 
 
 class Repeat(Upsampler):
-    """The input's pixels, and how many frames there were."""
+    """A method that repeats the input's pixels; its state counts the frames."""
 
     scale = 4
     requires = frozenset({"color"})
@@ -28,7 +29,7 @@ class Repeat(Upsampler):
 
 
 class Worse:
-    """`Repeat` with ``error`` more on every pixel after each frame: a player of its own."""
+    """A player of `Repeat` that adds ``error`` to all pixels after each frame."""
 
     def __init__(self, error: float) -> None:
         self._error, self._t = error, 0
@@ -57,29 +58,29 @@ def named(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(method="repeat", architecture="R", machine="m")
 
 
-def test_a_known_drift_is_found(clips):
+def test_known_drift(clips):
     rows = roll(Repeat(), {("worse", "int8"): Worse(0.02), ("same", "float32"): Worse(0.0)}, clips, Continuous())
     assert len(rows) == 2 * 2 * 6
     worse, same = changes(named(rows))
-    assert worse.largest == pytest.approx(0.1, abs=1e-6)  # 5 frames after the first; a new clip begins anew
+    assert worse.largest == pytest.approx(0.1, abs=1e-6)  # 5 frames after the first; each clip starts from 0
     assert worse.frames == 12
     assert (same.mean.mean, same.slope.mean, same.largest) == (0.0, 0.0, 0.0)
     truth = []
     for index in range(2):
-        apart = []
+        differences = []
         for t, parts in enumerate(clips.read_frames(index)):
             image = F.interpolate(parts["color"], scale_factor=4.0).numpy()
             target = parts["target"].numpy()
-            shown = np.clip(image + np.float32(0.02 * t), 0, 1)
-            apart.append(10 * np.log10(((image - target) ** 2).mean() / ((shown - target) ** 2).mean()))
-        truth.append(apart)
+            shifted = np.clip(image + np.float32(0.02 * t), 0, 1)
+            differences.append(10 * np.log10(((image - target) ** 2).mean() / ((shifted - target) ** 2).mean()))
+        truth.append(differences)
     assert worse.mean.mean == pytest.approx(np.mean(truth), abs=1e-4)
     assert worse.slope.mean == pytest.approx(np.mean([np.polyfit(range(6), a, 1)[0] for a in truth]), abs=1e-4)
     assert worse.slope.mean < -0.1
     assert costs([worse])["R", "worse", "int8"] == worse.mean
 
 
-def test_what_is_not_finite_is_the_worst(clips):
+def test_values_that_are_not_finite(clips):
     rows = roll(Repeat(), {("worse", "int8"): Worse(float("nan"))}, clips, Continuous(), [0])
     (change,) = changes(named(rows))
     assert change.largest == float("inf")
@@ -88,7 +89,7 @@ def test_what_is_not_finite_is_the_worst(clips):
     assert sorted(rows["clip"].unique()) == [0]
 
 
-def test_rounding_is_small_and_there(clips):
+def test_rounding_is_small_but_not_zero(clips):
     torch.manual_seed(0)
 
     class Network(Repeat):
@@ -100,11 +101,10 @@ def test_rounding_is_small_and_there(clips):
             return F.interpolate(self.layer(frame.color).sigmoid(), scale_factor=4.0), torch.zeros(1)
 
     model = Network()
-    setting = Setting(12, 12, "bfloat16", torch.device("cpu"), 1)
-    exact = Setting(12, 12, "float32", torch.device("cpu"), 1)
+    coarse_options = LoadOptions(width=12, height=12, precision="bfloat16", device=torch.device("cpu"), threads=1)
     players = {
-        ("eager", "bfloat16"): Eager().load(model, setting),
-        ("eager", "float32"): Eager().load(model, exact),
+        ("eager", "bfloat16"): Eager().load(model, coarse_options),
+        ("eager", "float32"): Eager().load(model, replace(coarse_options, precision="float32")),
     }
     coarse, fine = changes(named(roll(model, players, clips, Continuous(), first_clips(clips))))
     assert fine.largest == 0.0
@@ -118,19 +118,19 @@ def test_slope():
     assert slope(pd.Series([4]), pd.Series([1.0])) == 0.0
 
 
-def test_frames_to_calibrate_on_fill_the_size(make_file, tmp_path):
+def test_calibration_frames_fill_the_size(make_file, tmp_path):
     files = [make_file(tmp_path, "val", frames=4), make_file(tmp_path, "test", frames=3)]
-    found = [list(clip) for clip in calibration(files, Repeat(), (20, 9), frames=3)]
-    assert [len(clip) for clip in found] == [3, 3]
-    assert {tuple(frame.color.shape) for clip in found for frame in clip} == {(1, 3, 9, 20)}
+    lists = [list(clip) for clip in calibration_clips(files, Repeat(), (20, 9), frames=3)]
+    assert [len(clip) for clip in lists] == [3, 3]
+    assert {tuple(frame.color.shape) for clip in lists for frame in clip} == {(1, 3, 9, 20)}
 
 
-def test_a_table_read_back_from_json_gives_the_same(clips):
+def test_table_from_json_gives_the_same_changes(clips):
     rows = named(roll(Repeat(), {("worse", "int8"): Worse(0.02)}, clips, Continuous()))
     raw = json.loads(rows.to_json(orient="split"))
-    again = pd.DataFrame(raw["data"], columns=raw["columns"])
-    assert list(again.columns) == list(rows.columns)
-    assert set(KEYS) <= set(again.columns)
-    ours, theirs = changes(rows)[0], changes(again)[0]
-    assert theirs.mean.mean == pytest.approx(ours.mean.mean)
-    assert theirs.largest == pytest.approx(ours.largest)
+    parsed = pd.DataFrame(raw["data"], columns=raw["columns"])
+    assert list(parsed.columns) == list(rows.columns)
+    assert set(KEYS) <= set(parsed.columns)
+    first, second = changes(rows)[0], changes(parsed)[0]
+    assert second.mean.mean == pytest.approx(first.mean.mean)
+    assert second.largest == pytest.approx(first.largest)

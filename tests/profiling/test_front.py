@@ -60,7 +60,7 @@ def test_times_are_joined_with_the_quality_of_their_architecture():
         timing(2.0, "a", architecture="A", backend="openvino"),
         timing(1.0, "a", architecture="A", precision="bfloat16"),
         timing(0.5, "a", architecture="A", backend="openvino", precision="int8"),
-        timing(NO, "b", architecture="B", backend="compile", why="No compiler."),
+        timing(NO, "b", architecture="B", backend="compile", reason="No compiler."),
         timing(4.0, "b", architecture="B"),
         timing(1.0, "other", architecture="X"),
     ]

@@ -1,4 +1,4 @@
-"""Processes that hold what is asked of them, and whose end is no end of the one who asks."""
+"""Worker processes: calls, errors that leave the parent process running, memory, ceilings and precisions."""
 
 import os
 import platform
@@ -9,19 +9,20 @@ import pytest
 import torch
 
 from supersampling.errors import UserError
-from supersampling.profiling import ceiling, memory, precision
-from supersampling.profiling.worker import Failed, Worker
+from supersampling.models import precision
+from supersampling.profiling import ceiling, memory
+from supersampling.profiling.worker import CaseError, Worker
 
 CPU = torch.device("cpu")
 SCORE = Path("/proc/self/oom_score_adj")
 
 
-class Adds:
+class Adder:
     def __init__(self, start):
         self.sum = start
 
     @staticmethod
-    def import_first(start):
+    def preload(start):
         pass
 
     def add(self, n):
@@ -29,18 +30,18 @@ class Adds:
         return self.sum, torch.get_num_threads(), os.getpid()
 
     def fail(self):
-        raise UserError("It is so.")
+        raise UserError("It fails.")
 
     def hog(self, size):
         return float(np.ones(size, dtype=np.uint8)[-1])
 
-    def kept(self):
-        """How much of a large buffer the process still holds once it is freed."""
-        memory.keep()
-        before = memory.held(CPU)
+    def retained(self):
+        """Return the bytes of a large buffer that the process retains after it is freed."""
+        memory.retain_freed()
+        before = memory.usage(CPU)
         big = np.ones(2**27, dtype=np.uint8)
         del big
-        return memory.held(CPU) - before
+        return memory.usage(CPU) - before
 
     def score(self):
         return int(SCORE.read_text())
@@ -49,16 +50,16 @@ class Adds:
         os._exit(3)
 
 
-class Never:
+class Broken:
     def __init__(self):
-        raise ValueError("not this\nsecond line")
+        raise ValueError("first line\nsecond line")
 
 
-def test_it_keeps_what_it_holds():
-    worker = Worker(1, None, Adds, 5)
+def test_worker_keeps_its_object():
+    worker = Worker(1, None, Adder, 5)
     try:
-        assert worker.ask("add", 2)[:2] == (7, 1)
-        total, _, process = worker.ask("add", 3)
+        assert worker.call("add", 2)[:2] == (7, 1)
+        total, _, process = worker.call("add", 3)
         assert total == 10
         assert process != os.getpid()
     finally:
@@ -68,81 +69,73 @@ def test_it_keeps_what_it_holds():
 @pytest.mark.parametrize(
     ("name", "values", "reason", "for_memory"),
     [
-        ("fail", (), r"^It is so\.$", False),
+        ("fail", (), r"^It fails\.$", False),
         ("hog", (2**30,), r"^It needs more memory than there is\.$", True),
         ("vanish", (), r"exit code 3", True),
     ],
 )
-def test_what_goes_wrong_is_a_sentence(name, values, reason, for_memory):
-    worker = Worker(1, 2**28, Adds, 0)
+def test_errors_are_one_sentence(name, values, reason, for_memory):
+    worker = Worker(1, 2**28, Adder, 0)
     try:
-        with pytest.raises(Failed, match=reason) as caught:
-            worker.ask(name, *values)
+        with pytest.raises(CaseError, match=reason) as caught:
+            worker.call(name, *values)
         assert caught.value.memory == for_memory
     finally:
         worker.close()
 
 
-@pytest.mark.skipif(not SCORE.is_file(), reason="the system keeps no such score")
-def test_a_machine_out_of_memory_ends_the_worker_first():
-    worker = Worker(1, 2**28, Adds, 0)
+@pytest.mark.skipif(not SCORE.is_file(), reason="the system has no such score")
+def test_system_ends_the_worker_first_without_memory():
+    worker = Worker(1, 2**28, Adder, 0)
     try:
-        assert worker.ask("score") == 1000
+        assert worker.call("score") == 1000
     finally:
         worker.close()
 
 
-@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another libc's allocator")
-def test_a_process_can_keep_what_it_frees():
-    worker = Worker(1, None, Adds, 0)
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="the allocator of another libc")
+def test_process_can_retain_freed_memory():
+    worker = Worker(1, None, Adder, 0)
     try:
-        assert worker.ask("kept") > 2**26
+        assert worker.call("retained") > 2**26
     finally:
         worker.close()
 
 
-def test_what_cannot_be_made():
-    with pytest.raises(Failed, match=r"^ValueError: not this$"):
-        Worker(1, None, Never)
+def test_object_that_cannot_be_created():
+    with pytest.raises(CaseError, match=r"^ValueError: first line$"):
+        Worker(1, None, Broken)
 
 
 def test_peak_memory():
-    device = torch.device("cpu")
-    held = memory.held(device)
+    before = memory.usage(CPU)
     big = np.ones(2**27, dtype=np.uint8)
-    assert memory.held(device) - held > 2**26
+    assert memory.usage(CPU) - before > 2**26
     del big
-    assert memory.peak(device) - held > 2**26
-    memory.forget_peak(device)
-    assert memory.peak(device) - held < 2**26
-    assert memory.available() > 2**26
+    assert memory.peak(CPU) - before > 2**26
+    memory.reset_peak(CPU)
+    assert memory.peak(CPU) - before < 2**26
+    assert memory.available(CPU) > 2**26
 
 
-def test_ceilings_are_the_clock_s(monkeypatch):
-    """A product of n x n matrices has n^3 multiply-accumulates; a copy reads and writes each byte. The fastest run counts."""
+def test_ceilings_are_those_of_the_clock(monkeypatch):
+    """A product of n x n matrices has n^3 multiply-accumulates; a copy reads and writes all bytes.
+
+    The fastest run counts.
+    """
     monkeypatch.setitem(ceiling.SIDE, "cpu", 20)
     monkeypatch.setitem(ceiling.COPIED, "cpu", 4000)
-    lengths = (
-        3.0,
-        2.0,
-        5.0,
-        4.0,
-        6.0,
-        1.0,
-        0.5,
-        0.25,
-        4.0,
-    )  # three of the product, of the convolution, of the copy
-    readings = iter([value for k, length in enumerate(lengths) for value in (10.0 * k, 10.0 * k + length)])
+    lengths = (3.0, 2.0, 5.0), (4.0, 6.0, 1.0), (0.5, 0.25, 4.0)  # product, convolution, copy
+    readings = iter([value for k, length in enumerate(sum(lengths, ())) for value in (10.0 * k, 10.0 * k + length)])
     monkeypatch.setattr(ceiling.time, "perf_counter", lambda: next(readings))
-    found = ceiling.measure(torch.device("cpu"), torch.float32, 3)
-    assert (found.macs, found.bytes) == (20**3 / 1.0, 8000 / 0.25)
+    result = ceiling.measure(CPU, torch.float32, 3)
+    assert (result.macs, result.bytes) == (20**3 / 1.0, 8000 / 0.25)
 
 
-def test_the_convolution_is_the_product(monkeypatch):
-    """Both give the same numbers, so that both take the same multiply-accumulates."""
+def test_convolution_is_the_product(monkeypatch):
+    """The results are equal, so the multiply-accumulates are, too."""
     monkeypatch.setitem(ceiling.SIDE, "cpu", 20)
-    product, convolution = ceiling.Kernels(torch.device("cpu"), torch.float32).products
+    product, convolution = ceiling.Kernels(CPU, torch.float32).products
     transposed = convolution()[0, :, 0, :]  # b @ a
     assert transposed.shape == product().shape
     torch.manual_seed(0)
@@ -152,17 +145,17 @@ def test_the_convolution_is_the_product(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("flags", "there"),
+    ("flags", "expected"),
     [
         ("fpu avx512f avx512_bf16", {"bfloat16"}),
         ("fpu amx_fp16 amx_bf16", {"bfloat16", "float16"}),
         ("fpu", set()),
     ],
 )
-def test_a_processor_s_precisions(monkeypatch, tmp_path, flags, there):
+def test_precisions_of_a_processor(monkeypatch, tmp_path, flags, expected):
     info = tmp_path / "cpuinfo"
     info.write_text(f"processor : 0\nmodel name : bf16 is in the name\nflags\t\t: {flags}\n")
     monkeypatch.setattr(precision, "_CPUINFO", info)
-    lacking = {p: precision.lacking(torch.device("cpu"), p) for p in ("float32", "bfloat16", "float16", "int8")}
-    assert {p for p, why in lacking.items() if not why} == {"float32", *there}
-    assert all(why.endswith(".") and p in why for p, why in lacking.items() if why)
+    reasons = {p: precision.missing_arithmetic(CPU, p) for p in precision.TYPES}
+    assert {p for p, reason in reasons.items() if not reason} == {"float32", *expected}
+    assert all(reason.endswith(".") and p in reason for p, reason in reasons.items() if reason)

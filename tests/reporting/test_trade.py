@@ -75,7 +75,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     benchmark(log, older, precision=losses("dlctus", 3.0).assign(method="by another name"))
     timings = [made(m, b, ms=ms * f) for m, (_, ms) in METHODS.items() for b, f in FACTOR.items()]
     timings += [made("dlctus", "openvino", "int8", 120.0), made("tus", "openvino", "int8", 20.0)]
-    timings += [made(m, "compile", ms=np.nan, why="There is no compiler.") for m in METHODS]
+    timings += [made(m, "compile", ms=np.nan, reason="There is no compiler.") for m in METHODS]
     parts = [("network", 200.0, 0.667), ("warp", 90.0, 0.3), ("(its own)", 10.0, 0.033)]
     keys = ["method", "architecture", "width", "height", "backend", "precision", "machine"]
     same = {key: getattr(made("dlctus", "eager"), key) for key in keys}
@@ -165,7 +165,7 @@ def test_a_broken_benchmark_is_told_and_the_rest_reported(tmp_path: Path, capsys
 
 def test_tables_survive_json() -> None:
     """NaN and infinity are null there."""
-    one = made("a", "compile", ms=np.nan, low=np.nan, high=np.nan, why="No.")
+    one = made("a", "compile", ms=np.nan, low=np.nan, high=np.nan, reason="No.")
     raw = json.loads(timing.table([one]).to_json(orient="split"))
     (again,) = timing.timings_of(pd.DataFrame(raw["data"], columns=raw["columns"]))
     assert np.isnan(again.ms)

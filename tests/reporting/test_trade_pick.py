@@ -21,7 +21,7 @@ def ask(tmp_path_factory: pytest.TempPathFactory) -> Ask:
     log = Log(tmp_path_factory.mktemp("store"))
     trained(log)
     timings = [made(m, b, ms=ms * f) for m, (_, ms) in METHODS.items() for b, f in FACTOR.items()]
-    timings += [made("dlctus", "openvino", "int8", 120.0), made("jau", "compile", ms=np.nan, why="No.")]
+    timings += [made("dlctus", "openvino", "int8", 120.0), made("jau", "compile", ms=np.nan, reason="No.")]
     small = [made(m, "eager", ms=0.2 * ms, width=640, height=360) for m, (_, ms) in METHODS.items()]
     benchmark(log, [*timings, *small], precision=losses("dlctus", 0.3))
 

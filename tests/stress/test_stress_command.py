@@ -50,7 +50,7 @@ def test_a_table_is_logged_and_printed(entry, given, tmp_path, capsys):
 
 
 def test_a_failed_verdict_is_shown_and_decides(entry, given, monkeypatch, tmp_path, capsys):
-    strict = precision.Precision("float32", torch.float32, 1e-30, 1e-30, "")
+    strict = precision.Precision("float32", 1e-30, 1e-30, "")
     monkeypatch.setitem(precision.PRECISIONS, "float32", strict)
     assert not stress(entry("stress", *given, "models=[jau]", "extremes=[scale]", "precisions=[float32]"))
     out = capsys.readouterr().out

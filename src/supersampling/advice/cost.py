@@ -15,7 +15,7 @@ import torch
 
 from supersampling.frames import BUFFERS
 from supersampling.models.base import Upsampler
-from supersampling.profiling.backends import Eager, Setting
+from supersampling.profiling.backends import Eager, LoadOptions
 from supersampling.profiling.stream import Streaming, cache_size, distinct_frames
 from supersampling.render.measure.costs import costs
 from supersampling.runs.experiment import machine
@@ -44,11 +44,13 @@ class Size:
 def frame_times(models: Sequence[Upsampler], size: Size, frames: int) -> list[Cost]:
     """Every model in streaming use, on the device of a training, in turns, so that a noisy machine is noisy to all alike."""
     device = L.Fabric(accelerator="auto", devices=1).device
-    setting = Setting(size.width, size.height, "float32", device, torch.get_num_threads())
+    options = LoadOptions(
+        width=size.width, height=size.height, precision="float32", device=device, threads=torch.get_num_threads()
+    )
     streams = []
     for model in models:
         inputs = distinct_frames(model, size.width, size.height, None, cache_size())
-        streams.append(Streaming(Eager().load(copy.deepcopy(model), setting), inputs, device))
+        streams.append(Streaming(Eager().load(copy.deepcopy(model), options), inputs, device))
         streams[-1].warm_up()
     taken: list[list[float]] = [[] for _ in streams]
     for _ in range(frames):

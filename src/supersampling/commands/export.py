@@ -1,11 +1,10 @@
-"""The command ``export``: a method as ONNX graphs, checked against PyTorch."""
+"""The command ``export``: export a method as ONNX graphs and compare them with PyTorch."""
 
-import json
 import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import torch
 from hydra.utils import instantiate
@@ -14,54 +13,48 @@ from torch import Tensor
 
 from supersampling import settings
 from supersampling.data.module import DataSource
-from supersampling.deploy import graph
-from supersampling.deploy.check import Difference, at_other_sizes, compare, random_frames, recorded_frames
-from supersampling.deploy.describe import describe
+from supersampling.deploy import describe, graph
+from supersampling.deploy.check import Difference, compare, compare_other_sizes, random_frames, recorded_frames
 from supersampling.deploy.graph import MULTIPLES, Graphs
 from supersampling.deploy.runner import Runner, sidecar
 from supersampling.deploy.runtimes import OnnxRuntime, OpenVINO
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
+from supersampling.models.forms import Precomputable
 from supersampling.render.jitter import jitter_sequence
 from supersampling.runs.method import Method, method_of
 
-CHECKED_SIZE = 60, 34  # of random frames where any size goes, rounded down to what does
+CHECKED_SIZE = 60, 34  # of random frames if the graph takes all sizes, rounded down to a possible one
 KERNELS, FRAMES = ("precomputed", "mlp"), ("random", "data")
 
 
-@runtime_checkable
-class Precomputes(Protocol):
-    """A method whose kernels can be made beforehand for a jitter sequence."""
-
-    def with_precomputed_kernels(self, jitters: Tensor) -> Upsampler: ...
-
-
 def export(cfg: DictConfig) -> None:
-    """Export what ``checkpoint``, ``run`` or ``model`` name, compare it with PyTorch in each runtime, then put it in place.
+    """Export the method that ``checkpoint``, ``run`` or ``model`` names, and compare it with PyTorch in each runtime.
 
     Raises:
-        UserError: a setting that is not possible, a method that cannot be exported, or a runtime that is further from
-            PyTorch than ``tolerance``; nothing is written then.
+        UserError: a setting is invalid, the method cannot be exported, or a runtime differs from PyTorch by more than
+            ``tolerance``; nothing is written then.
     """
     _check_settings(cfg)
     settings.exclusive(cfg, "checkpoint", "run")
     torch.set_num_threads(cfg.threads)
     out = Path(cfg.out)
     method = method_of(cfg)
-    model, jitter, jitters = _deployed(method.model, cfg)
+    model, jitter, jitters = _deployment_form(method.model, cfg)
     graphs = graph.export(model, tuple(cfg.size) if cfg.size else None)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out.parent, prefix=".export") as folder:
-            written = _write(Path(folder) / out.name, model, graphs, jitter, method)
-            _check(cfg, method.model, graphs, Path(folder) / out.name, jitters)
-            for path in written:
-                os.replace(path, out.parent / path.name)
+            path = Path(folder) / out.name
+            files = describe.write(path, model, graphs, jitter, _origin(method))
+            _check(cfg, method.model, graphs, path, jitters)
+            for file in files:
+                os.replace(file, out.parent / file.name)
     except PermissionError as error:
-        raise UserError(f"{out} cannot be written: choose another out=FILE.onnx.") from error
+        raise UserError(f"No permission to write out={out}: use another file.") from error
     print(
-        f"{out}: {method.name}, {_sizes(graphs)}, {len(graphs.state)} state tensors; {sidecar(out).name} says how to use it."
+        f"{out}: {method.name}, {_sizes(graphs)}, {len(graphs.state)} state tensors; see {sidecar(out).name} for use."
     )
 
 
@@ -76,58 +69,48 @@ def _check_settings(cfg: DictConfig) -> None:
     settings.number(cfg, "tolerance", 0.0, 1.0)
 
 
-def _deployed(model: Upsampler, cfg: DictConfig) -> tuple[Upsampler, dict[str, Any], Tensor | None]:
-    """The model as it is exported, what the description says of jitter, and the sequence ``(N, 2)``, if one is read."""
+def _deployment_form(model: Upsampler, cfg: DictConfig) -> tuple[Upsampler, dict[str, Any], Tensor | None]:
+    """Return the model to export, its jitter for the description, and the sequence ``(N, 2)`` if it reads a jitter."""
     if "jitter" not in model.requires:
         return model, {"pattern": None}, None
-    said: dict[str, Any] = {"pattern": cfg.task.jitter}
     sequence = torch.from_numpy(jitter_sequence(cfg.task.jitter, model.scale))
-    said["sequence"] = sequence.tolist()
-    if isinstance(model, Precomputes) and cfg.kernels == "precomputed":
-        said["kernels"] = "made beforehand for this sequence: a jitter takes the nearest entry's"
-        return model.with_precomputed_kernels(sequence), said, sequence
-    return model, said, sequence
+    description: dict[str, Any] = {"pattern": cfg.task.jitter, "sequence": sequence.tolist()}
+    if isinstance(model, Precomputable) and cfg.kernels == "precomputed":
+        description["kernels"] = "precomputed for this sequence: a jitter takes those of the nearest entry"
+        return model.with_precomputed_kernels(sequence), description, sequence
+    return model, description, sequence
 
 
-def _write(path: Path, model: Upsampler, graphs: Graphs, jitter: dict[str, Any], method: Method) -> list[Path]:
-    first = path.with_suffix(".first.onnx") if graphs.state else path
-    graphs.other.save(str(path))
-    if graphs.state:
-        graphs.first.save(str(first))
-    about = {
-        "method": method.name,
-        **{key: value for key, value in method.origin.items() if value},
-        "model": method.config,
-    }
-    description = describe(model, graphs, (first.name, path.name), jitter, about)
-    sidecar(path).write_text(json.dumps(description, indent=2) + "\n")
-    return sorted({path, first, sidecar(path)})
+def _origin(method: Method) -> dict[str, Any]:
+    known = {key: value for key, value in method.origin.items() if value}
+    return {"method": method.name, **known, "model": method.config}
 
 
 def _check(cfg: DictConfig, model: Upsampler, graphs: Graphs, path: Path, jitters: Tensor | None) -> None:
-    """Print each runtime's difference from ``model``, the one with all its parts, and refuse one above the tolerance."""
+    """Print each runtime's difference from ``model``, the complete one; raise `UserError` above the tolerance."""
     runtimes = (OnnxRuntime(threads=cfg.threads), OpenVINO(threads=cfg.threads))
     runners = {runtime.name: Runner(path, runtime) for runtime in runtimes}
-    found = compare(model, runners, _frames(cfg, model, graphs, jitters))
-    for name, difference in found.items():
-        print(f"{name}: {_said(difference)} over {cfg.check} frames")
-    name, worst = max(found.items(), key=lambda item: item[1].largest)
+    differences = compare(model, runners, _frames(cfg, model, graphs, jitters))
+    for name, difference in differences.items():
+        print(f"{name}: {_summary(difference)} over {cfg.check} frames")
+    name, worst = max(differences.items(), key=lambda item: item[1].largest)
     if worst.largest > cfg.tolerance:
         raise UserError(
-            f"{name} differs from PyTorch by {worst.largest:.3g} at frame {worst.frame}, more than tolerance={cfg.tolerance}: "
-            "nothing was written. A graph that drifts is no use; if this is rounding, set a larger tolerance."
+            f"{name} differs from PyTorch by {worst.largest:.3g} at frame {worst.frame}, more than "
+            f"tolerance={cfg.tolerance}, and nothing was written: set a larger tolerance if this is rounding, but do "
+            "not use a graph that drifts."
         )
     if graphs.size is not None:
         return
-    for (width, height), difference in at_other_sizes(model, runners, graphs.multiple, jitters).items():
+    for (width, height), difference in compare_other_sizes(model, runners, graphs.multiple, jitters).items():
         if difference.largest > cfg.tolerance:
             raise UserError(
-                f"The graph is off by {difference.largest:.3g} at {width}x{height}, so one for all sizes is not possible here: "
-                "give size=[width,height] of the low-resolution input."
+                f"The graph differs by {difference.largest:.3g} at {width}x{height}, so one graph for all sizes is not "
+                "possible here: give size=[width,height] of the low-resolution input."
             )
 
 
-def _said(difference: Difference) -> str:
+def _summary(difference: Difference) -> str:
     return (
         f"at most {difference.largest:.2e} from PyTorch (frame {difference.frame}), {difference.mean:.2e} on average,"
     )

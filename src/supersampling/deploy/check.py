@@ -1,7 +1,7 @@
-"""Whether an exported method is the one that PyTorch runs: both roll over the same frames, each with its own state."""
+"""Comparison of an exported method with PyTorch: both roll over the same frames, each with a state of its own."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,15 @@ from supersampling.frames import BUFFERS, Frame
 from supersampling.models.base import Upsampler
 from supersampling.models.count import random_frame
 
-OTHER_SIZES = (2, 3), (5, 7), (15, 15)  # times what a size has to be a multiple of
+CHECKED_SIZES = (2, 3), (5, 7), (15, 15)  # multiples of the number that a size has to be a multiple of
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Between the images of a runtime and PyTorch's, in the display's range [0, 1]: the largest, its frame, and the mean."""
+    """Difference of a runtime's images from PyTorch's, in the display's range [0, 1].
+
+    ``frame`` is the frame of the ``largest`` difference; ``mean`` is over all frames.
+    """
 
     largest: float
     frame: int
@@ -31,69 +34,76 @@ class Difference:
 
 @torch.inference_mode()
 def compare(model: Upsampler, runners: Mapping[str, Runner], frames: Iterable[Frame]) -> dict[str, Difference]:
-    """The difference of each runner from ``model`` in evaluation mode, over a rollout from the first frame."""
+    """Return the difference of each runner from ``model`` in evaluation mode, over a roll-out from the first frame."""
     model = model.cpu().eval()
     state: Any = None
-    apart: dict[str, list[NDArray[np.float32]]] = {name: [] for name in runners}
+    differences: dict[str, list[NDArray[np.float32]]] = {name: [] for name in runners}
     for runner in runners.values():
         runner.reset()
     for frame in frames:
         output, state = model(frame, state)
         image = model.present(output, frame).numpy()
-        buffers = arrays(frame)
+        inputs = arrays(frame)
         for name, runner in runners.items():
-            apart[name].append(np.abs(runner(buffers) - image))
-    return {name: _difference(maps) for name, maps in apart.items()}
+            differences[name].append(np.abs(runner(inputs) - image))
+    return {name: _summarise(maps) for name, maps in differences.items()}
 
 
-def _difference(maps: Sequence[NDArray[np.float32]]) -> Difference:
+def _summarise(maps: Sequence[NDArray[np.float32]]) -> Difference:
     largest = [float(m.max()) for m in maps]
-    # A value that is not finite is as far off as can be.
+    # A value that is not finite counts as an infinite difference.
     largest = [value if np.isfinite(value) else float("inf") for value in largest]
     worst = int(np.argmax(largest))
     return Difference(largest[worst], worst, float(np.mean([m.mean() for m in maps])))
 
 
+def buffers(frame: Frame) -> dict[str, Tensor]:
+    """Return the buffers that a frame has, by name."""
+    values = {f.name: getattr(frame, f.name) for f in fields(frame)}
+    return {name: value for name, value in values.items() if value is not None}
+
+
 def arrays(frame: Frame) -> dict[str, NDArray[np.float32]]:
-    """A frame's buffers as a runner takes them."""
-    held = {f.name: getattr(frame, f.name) for f in fields(frame)}
-    return {name: values.numpy() for name, values in held.items() if values is not None}
+    """Return the buffers that a frame has as arrays by name, the inputs of a runner."""
+    return {name: values.numpy() for name, values in buffers(frame).items()}
 
 
 def random_frames(model: Upsampler, size: tuple[int, int], count: int, jitters: Tensor | None) -> Iterator[Frame]:
-    """Frames of random buffers, ``size`` low-resolution ``(width, height)``, with these jitters ``(N, 2)`` in turn, if given."""
+    """Yield frames of random buffers; ``size`` is the low-resolution ``(width, height)``.
+
+    ``jitters`` ``(N, 2)`` are taken in turn; None keeps random ones.
+    """
     for t in range(count):
         frame = random_frame(model, *size, "cpu", seed=t)
-        given = {f.name: getattr(frame, f.name) for f in fields(frame)}
         if jitters is not None and frame.jitter is not None:
-            given["jitter"] = jitters[t % len(jitters)][None]
-        yield Frame(**given)
+            frame = replace(frame, jitter=jitters[t % len(jitters)][None])
+        yield frame
 
 
-def at_other_sizes(
+def compare_other_sizes(
     model: Upsampler, runners: Mapping[str, Runner], multiple: int, jitters: Tensor | None
 ) -> dict[tuple[int, int], Difference]:
-    """The larger difference of the runners over a few frames at each of several sizes, by low-resolution ``(width, height)``.
+    """Return the largest difference of the runners over three frames at each of several sizes.
 
-    A graph is traced at one size; that it holds for all is checked by `torch.export` as far as that understands a method's
-    branches, and here.
+    Keys are low-resolution ``(width, height)``. A graph is traced at one size. `torch.export` checks that it is valid
+    for all sizes as far as it understands a method's branches; this function checks the rest.
     """
-    found = {}
-    for across, down in OTHER_SIZES:
-        size = (across * multiple, down * multiple)
-        apart = compare(model, runners, random_frames(model, size, 3, jitters))
-        found[size] = max(apart.values(), key=lambda d: d.largest)
-    return found
+    differences = {}
+    for columns, rows in CHECKED_SIZES:
+        size = (columns * multiple, rows * multiple)
+        by_runner = compare(model, runners, random_frames(model, size, 3, jitters))
+        differences[size] = max(by_runner.values(), key=lambda d: d.largest)
+    return differences
 
 
 def recorded_frames(
     path: Path, requires: frozenset[str], size: tuple[int, int] | None, multiple: int, count: int
 ) -> Iterator[Frame]:
-    """Frames of a data set file's first clip, over and over; the jump back is a cut that nobody announces.
+    """Yield ``count`` frames of a data set file's first clip, repeated; each jump back is a cut without a reset.
 
     Args:
-        size: the low-resolution ``(width, height)`` that is cut out from the corner; None for all of it, down to a multiple
-            of ``multiple``.
+        size: low-resolution ``(width, height)`` of the window that is cut out at the top-left corner; None for the
+            whole frame, rounded down to a multiple of ``multiple``.
 
     Raises:
         UserError: the clip is smaller.

@@ -1,10 +1,13 @@
-"""What an engine has to know of exported graphs: names, shapes, units and conventions, as plain values for JSON."""
+"""Files of an exported method: its graphs, and a JSON description that tells an engine how to run them."""
 
+import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from supersampling import __version__
 from supersampling.deploy.graph import IMAGE, OPSET, Axis, Graphs
+from supersampling.deploy.runner import sidecar
 from supersampling.frames import BUFFERS, Buffer
 from supersampling.models.base import Upsampler
 
@@ -12,14 +15,32 @@ FORMAT = 1
 CONVENTIONS = {
     "layout": "batch (1), channels, rows, columns; x is right, y is down, the origin is the top-left corner",
     "sizes": "h and w are the low-resolution input's height and width",
-    "first_frame": "run graphs.first at a clip's start and after every cut: it has no state inputs, and its outputs are the "
-    "first state; run graphs.next for every other frame",
+    "first_frame": "run graphs.first at a clip's start and after every cut: it has no state inputs, and its outputs "
+    "are the first state; run graphs.next for every other frame",
     "state": "hand each state output of a frame to the state input of the next frame, untouched",
-    "samples": "a low-resolution pixel (i, j) is one sample at (j + 0.5 + jitter_x, i + 0.5 + jitter_y) in low-resolution pixels",
-    "motion": "backward and free of jitter: where a pixel's point was in the previous frame, previous_uv = uv + motion, with uv "
-    "from 0 to 1 over the whole image",
+    "samples": "a low-resolution pixel (i, j) is one sample at (j + 0.5 + jitter_x, i + 0.5 + jitter_y) in "
+    "low-resolution pixels",
+    "motion": "backward and free of jitter: where a pixel's point was in the previous frame, previous_uv = uv + "
+    "motion, with uv from 0 to 1 over the whole image",
     "missing": "a graph may ignore an input on the first frame; give it all the same",
 }
+
+
+def write(
+    path: Path,
+    model: Upsampler,
+    graphs: Graphs,
+    jitter: Mapping[str, Any] | None = None,
+    origin: Mapping[str, Any] | None = None,
+) -> list[Path]:
+    """Write ``FILE.onnx``, ``FILE.first.onnx`` if there is a state, and ``FILE.json``; return their paths, sorted."""
+    first = path.with_suffix(".first.onnx") if graphs.state else path
+    graphs.next.save(str(path))
+    if graphs.state:
+        graphs.first.save(str(first))
+    description = describe(model, graphs, (first.name, path.name), jitter or {}, origin or {})
+    sidecar(path).write_text(json.dumps(description, indent=2) + "\n")
+    return sorted({path, first, sidecar(path)})
 
 
 def describe(
@@ -27,23 +48,23 @@ def describe(
     graphs: Graphs,
     files: tuple[str, str],
     jitter: Mapping[str, Any],
-    about: Mapping[str, Any],
+    origin: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """The description.
+    """Return names, shapes, units and conventions of exported graphs as plain values for JSON.
 
     Args:
-        files: names of the first frame's graph and of the others'.
-        jitter: what is known of the jitter sequence.
-        about: further entries for the top: method, run, ...
+        files: names of the first frame's graph and of the graph for all later frames.
+        jitter: known facts of the jitter sequence.
+        origin: further entries at the top level: method, run, ...
     """
-    first, other = files
+    first, later = files
     return {
         "format": FORMAT,
         "supersampling": __version__,
         "opset": OPSET,
-        **about,
+        **origin,
         "scale": model.scale,
-        "graphs": {"first": first, "next": other},
+        "graphs": {"first": first, "next": later},
         "size": _size(graphs),
         "inputs": [_input(BUFFERS[name], model.scale, graphs.size) for name in graphs.inputs],
         "state": [

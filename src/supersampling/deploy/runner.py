@@ -1,4 +1,4 @@
-"""An exported method, run frame by frame outside of PyTorch."""
+"""Runner of an exported method, frame by frame, outside of PyTorch."""
 
 import json
 from collections.abc import Mapping
@@ -13,18 +13,18 @@ from supersampling.errors import UserError
 
 
 def sidecar(path: Path) -> Path:
-    """Where the description of an exported ``FILE.onnx`` lies: ``FILE.json``."""
+    """Return the path of the description of an exported ``FILE.onnx``: ``FILE.json``."""
     return path.with_suffix(".json")
 
 
 class Runner:
-    """``runner(buffers) -> image``: an exported file's next frame, its state carried on.
+    """An exported method: ``runner(buffers) -> image`` computes the next frame and carries the state.
 
-    ``buffers`` are float32 arrays by name, as in `Frame`, batch 1; more than are read may be there. The image is
-    ``(1, 3, H, W)``, display-referred in [0, 1].
+    ``buffers`` are float32 arrays by name, as in `Frame`, batch 1; buffers that the method does not read are ignored.
+    The image is ``(1, 3, H, W)``, display-referred in [0, 1].
 
     Raises:
-        UserError: the file, its description or a buffer is missing, or a size is not taken.
+        UserError: the file, its description or a buffer is missing, or the graph does not take a size.
     """
 
     def __init__(self, path: Path, runtime: Runtime) -> None:
@@ -33,11 +33,11 @@ class Runner:
             graphs = {role: path.parent / name for role, name in self.description["graphs"].items()}
         except (OSError, ValueError, KeyError) as error:
             raise UserError(
-                f"{sidecar(path)}, which describes {path}, is missing or broken: export.py writes both."
+                f"The description {sidecar(path)} of {path} is missing or broken: write both again with export.py."
             ) from error
         for graph in graphs.values():
             if not graph.is_file():
-                raise UserError(f"There is no {graph}: export.py writes it, keep the files together.")
+                raise UserError(f"Graph file {graph} not found: keep the files that export.py writes in one folder.")
         loaded = {graph: runtime.load(graph) for graph in set(graphs.values())}
         self._first, self._next = loaded[graphs["first"]], loaded[graphs["next"]]
         self._inputs: list[str] = [i["name"] for i in self.description["inputs"]]
@@ -45,18 +45,18 @@ class Runner:
         self.reset()
 
     def reset(self) -> None:
-        """The next frame is a clip's first: at the start, after a cut, or when the size changes."""
+        """Forget the state: call this at a clip's start, after a cut, or when the size changes."""
         self._state: dict[str, NDArray[Any]] | None = None
 
     @property
     def state(self) -> Mapping[str, NDArray[Any]]:
-        """The state's tensors by name, empty before the first frame."""
+        """The tensors of the state by name; empty before the first frame."""
         return dict(self._state or {})
 
     def __call__(self, buffers: Mapping[str, NDArray[np.float32]]) -> NDArray[np.float32]:
         missing = [name for name in self._inputs if name not in buffers]
         if missing:
-            raise UserError(f"{missing[0]} is missing: this method reads {', '.join(self._inputs)}.")
+            raise UserError(f"Buffer {missing[0]} is missing: this method reads {', '.join(self._inputs)}.")
         values = {name: np.ascontiguousarray(buffers[name]) for name in self._inputs}
         values.update(self._state or {})
         self._check(values)
@@ -65,28 +65,28 @@ class Runner:
         return results[self.description["output"]["name"]]
 
     def _check(self, values: Mapping[str, NDArray[Any]]) -> None:
-        """Hold the values to the described shapes, whose symbols ``h`` and ``w`` the first of them bind."""
-        taken, sides = self.description["size"], dict[str, int]()
+        """Compare the values with the described shapes; the first values bind the symbols ``h`` and ``w``."""
+        limits, sides = self.description["size"], dict[str, int]()
         tensors = [(t["name"], t["shape"]) for t in self.description["inputs"]]
         tensors += [(s["input"], s["shape"]) for s in self.description["state"]]
         for name, shape in tensors:
-            if name not in values:  # a state's, on the first frame
+            if name not in values:  # the state on the first frame
                 continue
-            found = values[name].shape
-            if len(found) != len(shape) or not all(_fits(n, axis, sides) for n, axis in zip(found, shape)):
+            actual = values[name].shape
+            if len(actual) != len(shape) or not all(_fits(n, axis, sides) for n, axis in zip(actual, shape)):
                 raise UserError(
-                    f"{name} has the shape {list(found)}, but this graph takes {shape}{_bound(sides)}: export with "
-                    "size=[width,height] for another size, and reset() after a change of size."
+                    f"Invalid shape {list(actual)} of {name}, this graph takes {shape}{_bindings(sides)}: export with "
+                    "size=[width,height] for another size, and call reset() after a change of size."
                 )
-        if any(n % taken["multiple_of"] or n < taken["at_least"] for n in sides.values()):
+        if any(n % limits["multiple_of"] or n < limits["at_least"] for n in sides.values()):
             raise UserError(
-                f"{sides['w']}x{sides['h']} is not possible: this graph takes multiples of {taken['multiple_of']} from "
-                f"{taken['at_least']} up. Pad the frames, or export with size=[{sides['w']},{sides['h']}]."
+                f"Invalid size {sides['w']}x{sides['h']}, this graph takes multiples of {limits['multiple_of']}, at "
+                f"least {limits['at_least']}: pad the frames, or export with size=[{sides['w']},{sides['h']}]."
             )
 
 
 def _fits(length: int, axis: int | str, sides: dict[str, int]) -> bool:
-    """Whether an axis of this length is what its description says: a number, ``h``, or ``4*h``."""
+    """Return whether a length agrees with the description of its axis: a number, ``h``, or ``4*h``."""
     if isinstance(axis, int):
         return length == axis
     times, _, side = axis.rpartition("*")
@@ -94,5 +94,5 @@ def _fits(length: int, axis: int | str, sides: dict[str, int]) -> bool:
     return length % whole == 0 and sides.setdefault(side, length // whole) == length // whole
 
 
-def _bound(sides: Mapping[str, int]) -> str:
+def _bindings(sides: Mapping[str, int]) -> str:
     return " with " + ", ".join(f"{side} = {n}" for side, n in sides.items()) if sides else ""

@@ -1,4 +1,4 @@
-"""Programs that run ONNX files, each a class, behind one call."""
+"""Runtimes for ONNX files: one class per program, one interface for all."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -14,17 +14,18 @@ Session = Callable[[Values], dict[str, NDArray[Any]]]
 
 
 class Runtime(ABC):
-    """``load(file)`` gives what turns a graph's inputs into its outputs, both by name."""
+    """A program that runs ONNX files."""
 
     name: str
 
     @abstractmethod
-    def load(self, path: Path) -> Session: ...
+    def load(self, path: Path) -> Session:
+        """Return a function from a graph's inputs to its outputs, both by name."""
 
 
 @final
 class OnnxRuntime(Runtime):
-    """ONNX Runtime on its ``providers``, the processor's by default; ``threads`` of 0 leaves their number to it."""
+    """ONNX Runtime on its ``providers``, by default the processor; ``threads=0`` lets it choose their number."""
 
     name = "onnxruntime"
 
@@ -44,11 +45,12 @@ class OnnxRuntime(Runtime):
 
 @cache
 def openvino_core() -> Any:
-    """The one core of this process, which lives as long.
+    """Return the only OpenVINO core of this process, which lives as long as the process.
 
-    A core's processor plugin (OpenVINO 2026.4) gives the thread a stack for signals and puts the one before back at its end. Two
-    cores that end in the order in which they began leave the first one's, whose memory is gone: the next signal ends the process,
-    such as that of a data loader's worker.
+    A core's processor plugin (OpenVINO 2026.4) gives the thread a stack for signals and restores the previous stack
+    when the core is destroyed. If two cores are destroyed in the order of their creation, the thread is left with the
+    first one's stack, whose memory is freed. The next signal, such as one from a data loader's worker, then ends the
+    process.
     """
     import openvino
 
@@ -57,9 +59,9 @@ def openvino_core() -> Any:
 
 @final
 class OpenVINO(Runtime):
-    """OpenVINO on a ``device``; ``threads`` of 0 leaves their number to it.
+    """OpenVINO on a ``device``; ``threads=0`` lets it choose their number.
 
-    It computes in float32: its own default is half precision where the device is fast at it.
+    It computes in float32 by default. OpenVINO's own default is half precision on devices that are fast at it.
     """
 
     name = "openvino"
@@ -76,7 +78,7 @@ class OpenVINO(Runtime):
 
         def run(values: Values) -> dict[str, NDArray[Any]]:
             results = model(dict(values))
-            # Copies: the next call writes into the same memory.
+            # Copy: the next call writes into the same memory.
             return {name: np.array(results[k]) for k, name in enumerate(names)}
 
         return run

@@ -1,4 +1,4 @@
-"""What this machine reaches at best: a large matrix product, and a large copy."""
+"""Highest rates of this machine, in a large matrix product and in a large copy."""
 
 import time
 from collections.abc import Callable
@@ -8,12 +8,12 @@ import torch
 from torch import Tensor
 
 SIDE = {"cpu": 1536, "cuda": 8192}  # of the matrices: large enough for the full rate
-COPIED = {"cpu": 2**27, "cuda": 2**30}  # bytes, more than caches hold
+COPIED = {"cpu": 2**27, "cuda": 2**30}  # bytes: larger than caches
 
 
 @dataclass(frozen=True)
 class Ceiling:
-    """Multiply-accumulates a second in a matrix product, and bytes read and written a second in a copy."""
+    """Multiply-accumulates per second in a matrix product, and bytes read and written per second in a copy."""
 
     macs: float
     bytes: float
@@ -23,10 +23,10 @@ Run = Callable[[], object]
 
 
 class Kernels:
-    """The operations on a device, ready to be timed: a matrix product by each of PyTorch's libraries for one, and a copy.
+    """Operations on a device that are ready to be timed: the same matrix product in several libraries, and a copy.
 
-    A 1x1 convolution is a matrix product. On an AMD processor oneDNN, which computes it, is twice as fast as MKL, which has
-    `torch.mm`: measured against that alone, a method could reach more than the ceiling.
+    A 1x1 convolution is a matrix product. On an AMD processor it runs in oneDNN, which is twice as fast as MKL, the
+    library of `torch.mm`. With the rate of `torch.mm` as ceiling, a method could reach more than 100 %.
 
     Raises:
         RuntimeError: the device has no matrix product of this type.
@@ -39,12 +39,12 @@ class Kernels:
         self.products = [_product(a, b)]
         if dtype.is_floating_point:
             self.products.append(_convolution(a, b))
-        self._from = torch.rand(COPIED.get(device.type, COPIED["cuda"]) // 4, device=device)
-        self._to = torch.empty_like(self._from)
-        self.bytes = 2 * self._from.nbytes
+        self._source = torch.rand(COPIED.get(device.type, COPIED["cuda"]) // 4, device=device)
+        self._target = torch.empty_like(self._source)
+        self.bytes = 2 * self._source.nbytes
 
     def copy(self) -> None:
-        self._to.copy_(self._from)
+        self._target.copy_(self._source)
 
 
 def _product(a: Tensor, b: Tensor) -> Run:
@@ -54,7 +54,7 @@ def _product(a: Tensor, b: Tensor) -> Run:
 
 
 def _convolution(a: Tensor, b: Tensor) -> Run:
-    """``a``'s columns are the pixels of one row, its rows their channels."""
+    """Return the product as a 1x1 convolution: ``a``'s columns are the pixels of one row, its rows their channels."""
     side = len(a)
     image = a.view(1, side, 1, side).contiguous(memory_format=torch.channels_last)
     weights = b.view(side, side, 1, 1).contiguous(memory_format=torch.channels_last)
@@ -62,27 +62,27 @@ def _convolution(a: Tensor, b: Tensor) -> Run:
 
 
 def synchronise(device: torch.device) -> None:
-    """Wait until the device has done what it was given."""
+    """Wait until the device has finished all submitted work."""
     if device.type == "cuda":
         torch.cuda.synchronize(device)
 
 
 @torch.inference_mode()
 def measure(device: torch.device, dtype: torch.dtype, times: int) -> Ceiling:
-    """The best of so many runs of each: a ceiling is what is possible, not what is usual.
+    """Return the ceiling from the fastest of ``times`` runs: it is the possible rate, not the usual one.
 
-    TF32 stays off, as in the methods' own float32.
+    TF32 stays off, as in the methods' float32.
     """
     kernels = Kernels(device, dtype)
-    best = []
+    fastest = []
     for run in (*kernels.products, kernels.copy):
         run()
-        taken = []
+        seconds = []
         for _ in range(times):
             synchronise(device)
-            began = time.perf_counter()
+            start = time.perf_counter()
             run()
             synchronise(device)
-            taken.append(time.perf_counter() - began)
-        best.append(min(taken))
-    return Ceiling(kernels.macs / min(best[:-1]), kernels.bytes / best[-1])
+            seconds.append(time.perf_counter() - start)
+        fastest.append(min(seconds))
+    return Ceiling(kernels.macs / min(fastest[:-1]), kernels.bytes / fastest[-1])

@@ -1,7 +1,7 @@
-"""What each backend and precision changes in the quality of one method's weights, as a table to log beside its times."""
+"""Effect of each backend and precision on the quality of one method's weights, as a table to log beside its times."""
 
 import copy
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -13,65 +13,61 @@ from supersampling.errors import UserError
 from supersampling.evaluation.score import whole_clips
 from supersampling.metrics.prepare import Prepare
 from supersampling.models.base import Upsampler
-from supersampling.profiling.backends import Backend, Setting
+from supersampling.profiling.backends import Backend, LoadOptions
 from supersampling.profiling.drift import Player, Variant, first_clips, roll
 from supersampling.runs.experiment import machine
 
-Wanted = Sequence[tuple[Backend, str]]  # each with a precision
+LONGEST_REASON = 300  # characters
 
 
 def measure(
     model: Upsampler,
-    wanted: Wanted,
+    combinations: Sequence[tuple[Backend, str]],
     files: Sequence[Path],
     prepare: Prepare,
     jitters: Tensor | None,
     threads: int,
-    every_clip: bool = False,
+    all_clips: bool = False,
 ) -> tuple[pd.DataFrame, dict[Variant, str]]:
-    """The table of `roll` with the column ``machine``, and why a variant is not in it, one sentence each.
+    """Return the table of `roll` with the column ``machine``, and for each missing variant a reason of one sentence.
 
     Args:
-        model: with its trained weights.
-        files: test files, of one size of frames.
+        model: the method with its trained weights.
+        combinations: backends, each with a precision.
+        files: test files with frames of equal size.
         jitters: the sequence ``(N, 2)`` of the data, for a method that reads it.
-        every_clip: False takes the first clip of every scene.
+        all_clips: False takes the first clip of each scene.
 
     Raises:
-        UserError: files of several sizes.
+        UserError: the files have frames of several sizes.
     """
-    setting = _size(files, model.scale)
+    width, height = _low_resolution(files, model.scale)
+    device = torch.device("cpu")
     players: dict[Variant, Player] = {}
-    whys: dict[Variant, str] = {}
-    for backend, precision in wanted:
+    reasons: dict[Variant, str] = {}
+    for backend, precision in combinations:
         variant = backend.name, precision
-        if why := backend.missing(torch.device("cpu"), precision):
-            whys[variant] = why
+        if reason := backend.missing(device, precision):
+            reasons[variant] = reason
             continue
+        options = LoadOptions(
+            width=width, height=height, precision=precision, device=device, threads=threads, jitters=jitters
+        )
         try:
-            players[variant] = backend.load(
-                copy.deepcopy(model), Setting(*setting, precision, torch.device("cpu"), threads, jitters)
-            )
-        except (
-            UserError,
-            RuntimeError,
-        ) as error:  # a stage that cannot be exported, a type that an operation lacks
-            whys[variant] = (str(error).splitlines() or [type(error).__name__])[0][:300]
+            players[variant] = backend.load(copy.deepcopy(model), options)
+        # A stage that cannot be exported, or a type that an operation does not support.
+        except (UserError, RuntimeError) as error:
+            reasons[variant] = (str(error).splitlines() or [type(error).__name__])[0][:LONGEST_REASON]
     clips = whole_clips(list(files), model.requires, 0)
-    rows = roll(model, players, clips, prepare, None if every_clip else first_clips(clips))
-    return rows.assign(machine=machine()), whys
+    rows = roll(model, players, clips, prepare, None if all_clips else first_clips(clips))
+    return rows.assign(machine=machine()), reasons
 
 
-def _size(files: Sequence[Path], scale: int) -> tuple[int, int]:
-    """The low-resolution width and height of all frames."""
-    sizes = dict(_sizes(files, scale))
+def _low_resolution(files: Sequence[Path], scale: int) -> tuple[int, int]:
+    """Return the low-resolution width and height of all frames."""
+    targets = {path: read_spec(path).target_size for path in files}
+    sizes = {path: (width // scale, height // scale) for path, (width, height) in targets.items()}
     if len(set(sizes.values())) != 1:
-        said = ", ".join(f"{path.name} {width}x{height}" for path, (width, height) in sizes.items())
-        raise UserError(f"The test files are of several sizes ({said}): name files of one.")
+        summary = ", ".join(f"{path.name} {width}x{height}" for path, (width, height) in sizes.items())
+        raise UserError(f"The test files have frames of several sizes ({summary}): use files of one size.")
     return next(iter(sizes.values()))
-
-
-def _sizes(files: Sequence[Path], scale: int) -> Iterator[tuple[Path, tuple[int, int]]]:
-    for path in files:
-        width, height = read_spec(path).target_size
-        yield path, (width // scale, height // scale)

@@ -1,6 +1,6 @@
-"""What a backend and precision change in a method's quality: both roll over whole clips, each with a state of its own.
+"""Effect of a backend and precision on a method's quality over whole clips, each roll-out with a state of its own.
 
-A recurrent method feeds its own errors back, so that a difference may grow frame after frame: the slope says by how much.
+A recurrent method feeds its own errors back, so a difference may grow from frame to frame: the slope measures that.
 """
 
 import copy
@@ -21,7 +21,7 @@ from supersampling.metrics.prepare import Prepare
 from supersampling.models.base import Upsampler
 
 Variant = tuple[str, str]  # backend, precision
-CALIBRATED = 8  # frames of a clip
+CALIBRATION_FRAMES = 8  # per clip
 
 
 class Player(Protocol):
@@ -42,18 +42,19 @@ def roll(
     players: Mapping[Variant, Player],
     clips: WholeClips,
     prepare: Prepare,
-    chosen: Sequence[int] | None = None,
+    indices: Sequence[int] | None = None,
 ) -> pd.DataFrame:
-    """A row for each frame and variant: ``scene, clip, frame, backend, precision, psnr, changed, largest``.
+    """Return a row per frame and variant: ``scene, clip, frame, backend, precision, psnr, changed, largest``.
 
-    ``psnr`` is that of the model as it is trained (PyTorch, float32), ``changed`` the variant's, both against the target.
+    ``psnr`` is that of the model as it is trained (PyTorch, float32), ``changed`` that of the variant, both against the
+    target. ``largest`` is the largest difference between their images; infinite if one is not finite.
 
     Args:
-        chosen: which of the clips; None for all.
+        indices: the clips to roll over; None for all.
     """
     model = copy.deepcopy(model).cpu().eval()
     rows = []
-    for index in range(len(clips)) if chosen is None else chosen:
+    for index in range(len(clips)) if indices is None else indices:
         name, state = clips.name(index), None
         for player in players.values():
             player.reset()
@@ -62,31 +63,31 @@ def roll(
             frame, target = Frame.from_clip(batch, 0), batch["target"][:, 0]
             output, state = model(frame, state)
             exact = model.present(output, frame)
-            own = psnr(prepare(exact, target), target).item()
+            exact_psnr = psnr(prepare(exact, target), target).item()
             for (backend, precision), player in players.items():
                 image = player.image(player.step(player.prepare(frame)))
-                rows.append(
-                    {
-                        "scene": name.scene, "clip": name.clip, "frame": t, "backend": backend, "precision": precision,
-                        "psnr": own, "changed": psnr(prepare(image, target), target).item(),
-                        "largest": float((image - exact).abs().nan_to_num(nan=torch.inf).max()),
-                    }
-                )  # fmt: skip
+                row = {"scene": name.scene, "clip": name.clip, "frame": t, "backend": backend, "precision": precision}
+                changed = psnr(prepare(image, target), target).item()
+                largest = float((image - exact).abs().nan_to_num(nan=torch.inf).max())
+                rows.append(row | {"psnr": exact_psnr, "changed": changed, "largest": largest})
     return pd.DataFrame(rows)
 
 
 def first_clips(clips: WholeClips) -> list[int]:
-    """The first clip of every scene."""
+    """Return the index of each scene's first clip."""
     first: dict[str, int] = {}
     for index in range(len(clips)):
         first.setdefault(clips.name(index).scene, index)
     return list(first.values())
 
 
-def calibration(
-    files: Sequence[Path], model: Upsampler, size: tuple[int, int], frames: int = CALIBRATED
+def calibration_clips(
+    files: Sequence[Path], model: Upsampler, size: tuple[int, int], frames: int = CALIBRATION_FRAMES
 ) -> Iterator[Iterator[Frame]]:
-    """The first frames of each file's first clip, `tiled` to ``size``: what int8 is calibrated on. Validation files will do."""
+    """Yield the first frames of each file's first clip, `tiled` to ``size``, to calibrate int8 with.
+
+    Validation files are good enough.
+    """
     for path in files:
         clips = whole_clips([path], model.requires, 0)
         parts = zip(range(frames), clips.read_frames(0))

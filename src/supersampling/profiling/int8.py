@@ -1,4 +1,4 @@
-"""OpenVINO with its convolutions in int8, as a backend."""
+"""OpenVINO with convolutions in int8, as a backend."""
 
 import tempfile
 from pathlib import Path
@@ -8,10 +8,9 @@ import torch
 
 from supersampling.deploy.check import random_frames
 from supersampling.deploy.quantise import missing, quantise
-from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OpenVINO
 from supersampling.models.base import Upsampler
-from supersampling.profiling.backends import Backend, Clips, Setting, Stream
+from supersampling.profiling.backends import Backend, Clips, LoadOptions, Stream
 from supersampling.profiling.graphs import RunnerStream, write
 
 PRECISION = "int8"
@@ -19,11 +18,10 @@ PRECISION = "int8"
 
 @final
 class OpenVINOInt8(Backend):
-    """Quantised when it is loaded.
+    """OpenVINO with convolutions that are quantised when a method is loaded.
 
     Args:
-        clips: gives the frames to calibrate on, of a model and low-resolution size; without it they are random, which does for
-            a time and for nothing else.
+        clips: the frames to calibrate with; None takes random frames, which are good enough to measure time only.
     """
 
     name = "openvino"
@@ -33,15 +31,15 @@ class OpenVINOInt8(Backend):
 
     def missing(self, device: torch.device, precision: str) -> str:
         if precision != PRECISION:
-            return f"This is int8 alone, not {precision}."
+            return f"This backend computes in int8 only, not in {precision}: use precisions=[int8]."
         return missing() if device.type == "cpu" else "OpenVINO does not run on CUDA."
 
-    def calibrated(self, clips: Clips) -> Backend:
+    def with_calibration(self, clips: Clips) -> Backend:
         return OpenVINOInt8(clips)
 
-    def load(self, model: Upsampler, setting: Setting) -> Stream:
-        size = (setting.width, setting.height)
-        clips = self._clips(model, size) if self._clips else [random_frames(model, size, 3, setting.jitters)]
+    def load(self, model: Upsampler, options: LoadOptions) -> Stream:
+        size = (options.width, options.height)
+        clips = self._clips(model, size) if self._clips else [random_frames(model, size, 3, options.jitters)]
         with tempfile.TemporaryDirectory(prefix="benchmark") as folder:
-            path = quantise(write(model, setting, Path(folder)), clips)
-            return RunnerStream(Runner(path, OpenVINO(threads=setting.threads)))
+            path = quantise(write(model, options, Path(folder)), clips)
+            return RunnerStream(path, OpenVINO(threads=options.threads))

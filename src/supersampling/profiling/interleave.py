@@ -1,25 +1,27 @@
-"""Many cases timed in turn, round after round, so that what else the machine does falls on all of them alike."""
+"""Timing of many cases in turn, round after round, so that other load on the machine affects all of them alike."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Any, Protocol
 
+import torch
+
 from supersampling.profiling import memory
 from supersampling.profiling.ceiling import Ceiling
 from supersampling.profiling.parts import Part
-from supersampling.profiling.worker import Case, Ceilings, Failed, Held, Worker
+from supersampling.profiling.worker import Case, CaseError, CeilingMeter, LoadedCase, Worker
 
 SPARE = 2**30  # bytes of memory that are left to the rest of the machine
-LEAST = 2**30  # bytes below which no further case is begun
-CEILING_RUNS = 3  # a round
+LEAST = 2**30  # free bytes below which no further case is started
+CEILING_RUNS = 3  # per round
 
 
 @dataclass(frozen=True)
 class Rounds:
-    """How long each case is timed: rounds, and in each so many frames, or as many as begin within so many seconds.
+    """Number of rounds, and the length of each: ``frames`` per case, or as many as begin within ``seconds``.
 
-    ``depth`` is that of the parts' table, of as many frames as a round has; 0 leaves it out.
+    ``depth`` is that of the table of parts, which is measured over ``frames`` frames; 0 leaves the table out.
     """
 
     rounds: int
@@ -28,59 +30,62 @@ class Rounds:
     depth: int
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Outcome:
-    """Of a case: seconds of each frame, bytes at the peak and its parts, or why it does not run."""
+    """Result of a case: seconds of each frame, bytes at the peak and parts; or the reason why it does not run."""
 
     case: Case
     seconds: list[float] = field(default_factory=list)
     peak: float = float("nan")
     parts: list[Part] = field(default_factory=list)
     ceiling: Ceiling | None = None
-    why: str = ""
+    reason: str = ""
 
 
-class Asked(Protocol):
-    """What `Worker` is."""
+class RemoteObject(Protocol):
+    """The interface of `Worker`."""
 
-    def ask(self, name: str, *values: Any) -> Any: ...
+    def call(self, name: str, *values: Any) -> Any: ...
     def close(self) -> None: ...
 
 
-Start = Callable[..., Asked]
-Say = Callable[[str], object]
+Start = Callable[..., RemoteObject]
+Report = Callable[[str], object]
 
 
-def in_turn(count: int, turn: int) -> Iterator[int]:
-    """The order of a round: each begins with the next, so that none always follows the same pause."""
+def rotation(count: int, turn: int) -> Iterator[int]:
+    """Yield the order of a round: each begins with the next case, so that no case always follows the same pause."""
     return ((k + turn) % count for k in range(count))
 
 
-def measure(cases: Sequence[Case], rounds: Rounds, start: Start = Worker, say: Say = print) -> list[Outcome]:
-    """The outcome of each case, in their order. Those of one size are interleaved; what does not fit into memory beside the
-    others gets rounds of its own afterwards."""
-    outcomes = [Outcome(case) for case in cases]
+def measure(cases: Sequence[Case], rounds: Rounds, start: Start = Worker, report: Report = print) -> list[Outcome]:
+    """Return the outcome of each case, in the order of ``cases``.
+
+    Cases of one size are interleaved. Those that do not fit into memory beside the others have rounds of their own
+    afterwards.
+    """
+    outcomes = [Outcome(case=case) for case in cases]
     by_size = sorted(outcomes, key=lambda o: o.case.size)
     for size, group in groupby(by_size, key=lambda o: o.case.size):
         waiting = list(group)
-        say(f"{size[0]}x{size[1]}: {len(waiting)} combinations")
+        report(f"{size[0]}x{size[1]}: {len(waiting)} combinations")
         while waiting:
-            waiting = _Batch(rounds, start, say).run(waiting)
+            waiting = _Batch(rounds, start, report).run(waiting)
     return outcomes
 
 
 class _Batch:
     """Cases that are loaded at the same time."""
 
-    def __init__(self, rounds: Rounds, start: Start, say: Say) -> None:
-        self._rounds, self._start, self._say = rounds, start, say
-        self._live: list[tuple[Outcome, Asked]] = []
-        self._ceilings: dict[str, Asked] = {}
-        self._reached: dict[str, Ceiling] = {}
-        self._transient = 0.0  # bytes that one of the loaded needs again while it runs
+    def __init__(self, rounds: Rounds, start: Start, report: Report) -> None:
+        self._rounds, self._start, self._report = rounds, start, report
+        self._live: list[tuple[Outcome, RemoteObject]] = []
+        self._meters: dict[str, RemoteObject] = {}
+        self._ceilings: dict[str, Ceiling] = {}
+        self._transient = 0.0  # the most bytes that a loaded case needs while it runs, beyond those between frames
 
     def run(self, waiting: Sequence[Outcome]) -> list[Outcome]:
-        """Time all that fit into memory together; gives the others."""
+        """Time all cases that fit into memory together; return the remaining ones."""
         try:
             later = self._load(waiting)
             for turn in range(self._rounds.rounds):
@@ -89,70 +94,70 @@ class _Batch:
                 self._finish(outcome, worker)
             return later
         finally:
-            for worker in (*self._ceilings.values(), *(w for _, w in self._live)):
+            for worker in (*self._meters.values(), *(w for _, w in self._live)):
                 worker.close()
 
     def _load(self, waiting: Sequence[Outcome]) -> list[Outcome]:
         later: list[Outcome] = []
         for outcome in waiting:
             case = outcome.case
-            allowed = self._allowed(case)
-            if self._live and allowed is not None and allowed < LEAST:
+            limit = self._memory_limit(case)
+            if self._live and limit is not None and limit < LEAST:
                 later.append(outcome)
                 continue
-            self._say(f"  {_name(case)}: loading")
+            self._report(f"  {_label(case)}: loading")
             try:
-                if case.precision not in self._ceilings:
-                    worker = self._start(case.threads, None, Ceilings, case.device, case.precision)
-                    self._ceilings[case.precision] = worker
-                worker = self._start(case.threads, allowed, Held, case)
+                if case.precision not in self._meters:
+                    worker = self._start(case.threads, None, CeilingMeter, case.device, case.precision)
+                    self._meters[case.precision] = worker
+                worker = self._start(case.threads, limit, LoadedCase, case)
                 self._live.append((outcome, worker))
-                self._transient = max(self._transient, worker.ask("transient"))
-            except Failed as error:
-                if error.memory and self._live:  # beside these, there is too little
+                self._transient = max(self._transient, worker.call("transient"))
+            except CaseError as error:
+                if error.memory and self._live:  # it may fit without the cases that are loaded
                     later.append(outcome)
                 else:
                     self._give_up(outcome, error)
         return later
 
-    def _allowed(self, case: Case) -> int | None:
-        """Bytes that a further case may take, so that those which are loaded can go on."""
-        free = memory.available()
+    def _memory_limit(self, case: Case) -> int | None:
+        """Return the bytes that a further case may use so that the loaded ones can go on; None for no limit."""
+        free = memory.available(torch.device("cpu"))
         if free is None or case.device != "cpu":
             return None
         return int(max(free - SPARE - self._transient, 0))
 
     def _round(self, turn: int) -> None:
-        self._say(f"  round {turn + 1} of {self._rounds.rounds}")
-        for precision, worker in self._ceilings.items():
-            new = worker.ask("measure", CEILING_RUNS)
-            old = self._reached.get(precision, new)
-            self._reached[precision] = Ceiling(max(old.macs, new.macs), max(old.bytes, new.bytes))
-        for k in in_turn(len(self._live), turn) if self._live else ():
+        self._report(f"  round {turn + 1} of {self._rounds.rounds}")
+        for precision, worker in self._meters.items():
+            new = worker.call("measure", CEILING_RUNS)
+            old = self._ceilings.get(precision, new)
+            self._ceilings[precision] = Ceiling(max(old.macs, new.macs), max(old.bytes, new.bytes))
+        for k in rotation(len(self._live), turn) if self._live else ():
             outcome, worker = self._live[k]
-            if outcome.why:
+            if outcome.reason:
                 continue
             try:
-                outcome.seconds += worker.ask("time", self._rounds.frames, self._rounds.seconds)
-            except Failed as error:
+                outcome.seconds += worker.call("time", self._rounds.frames, self._rounds.seconds)
+            except CaseError as error:
                 self._give_up(outcome, error)
                 worker.close()
 
-    def _finish(self, outcome: Outcome, worker: Asked) -> None:
-        if outcome.why:
+    def _finish(self, outcome: Outcome, worker: RemoteObject) -> None:
+        if outcome.reason:
             return
-        outcome.ceiling = self._reached[outcome.case.precision]
+        outcome.ceiling = self._ceilings[outcome.case.precision]
         try:
-            outcome.peak = worker.ask("peak")
+            outcome.peak = worker.call("peak")
             if self._rounds.depth:
-                outcome.parts = worker.ask("parts", self._rounds.depth, self._rounds.frames)
-        except Failed as error:
+                outcome.parts = worker.call("parts", self._rounds.depth, self._rounds.frames)
+        except CaseError as error:
             self._give_up(outcome, error)
 
-    def _give_up(self, outcome: Outcome, error: Failed) -> None:
-        outcome.why, outcome.seconds = str(error), []
-        self._say(f"  {_name(outcome.case)}: {error}")
+    def _give_up(self, outcome: Outcome, error: CaseError) -> None:
+        outcome.reason, outcome.seconds = str(error), []
+        self._report(f"  {_label(outcome.case)}: {error}")
 
 
-def _name(case: Case) -> str:
-    return f"{case.method} x{case.scale} {case.name} {case.precision}"
+def _label(case: Case) -> str:
+    return f"{case.method} x{case.scale} {case.backend} {case.precision}"

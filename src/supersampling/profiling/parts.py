@@ -1,4 +1,4 @@
-"""What a frame's time is made of: modules, the model's own methods, and tensor functions, as they call each other."""
+"""Time of a frame by parts: modules, the model's own methods and tensor functions, as they call each other."""
 
 import sys
 import time
@@ -19,15 +19,18 @@ from supersampling.models.base import Upsampler
 from supersampling.profiling.ceiling import synchronise
 from supersampling.profiling.stream import Clock, spread
 
-OWN, WHOLE = "(its own)", "total"
+REST, WHOLE = "(its own)", "total"
 Path = tuple[str, ...]
-Spent = dict[Path, float]
+Seconds = dict[Path, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Part:
-    """A part's time in a frame, milliseconds: the mean over the middle half of the frames, by their whole time, and the quartiles
-    over all; and its share of the frame. What calls it is in its dotted name."""
+    """A part's time in a frame, milliseconds, and its share of the frame.
+
+    ``ms`` is the mean over the middle half of the frames, by their whole time; ``low`` and ``high`` are the quartiles
+    over all frames. The dotted name ``part`` begins with the parts that call it.
+    """
 
     part: str
     kind: str
@@ -38,32 +41,32 @@ class Part:
 
 
 class Recorder:
-    """Adds up the time within nested calls, by the names that lead to them, down to ``depth`` of these."""
+    """Sum of the time within nested calls by the path of names that leads to them, at most ``depth`` names."""
 
     def __init__(self, device: torch.device, depth: int, clock: Clock = time.perf_counter) -> None:
         self._device, self._depth, self._clock = device, depth, clock
         self._path: Path = ()
         self._active = False
-        self.spent: Spent = defaultdict(float)
+        self.seconds: Seconds = defaultdict(float)
         self.kinds: dict[Path, str] = {(): ""}
 
     def _now(self) -> float:
         synchronise(self._device)
         return self._clock()
 
-    def frame(self, step: Callable[[], object]) -> Spent:
-        """Seconds by path within one call of ``step``; the empty path is the whole."""
-        self.spent, self._active = defaultdict(float), True
+    def frame(self, step: Callable[[], object]) -> Seconds:
+        """Return the seconds within one call of ``step`` by path; the empty path is the whole call."""
+        self.seconds, self._active = defaultdict(float), True
         try:
-            began = self._now()
+            start = self._now()
             step()
-            self.spent[()] = self._now() - began
+            self.seconds[()] = self._now() - start
         finally:
             self._active = False
-        return self.spent
+        return self.seconds
 
-    def recorded(self, name: str, kind: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        """``function``, whose calls are a part of that name."""
+    def record(self, name: str, kind: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return ``function`` with its calls recorded as a part called ``name``."""
 
         @wraps(function)
         def timed(*args: Any, **kwargs: Any) -> Any:
@@ -71,11 +74,11 @@ class Recorder:
                 return function(*args, **kwargs)
             outer, path = self._path, (*self._path, name)
             self.kinds[path], self._path = kind, path
-            began = self._now()
+            start = self._now()
             try:
                 return function(*args, **kwargs)
             finally:
-                self.spent[path] += self._now() - began
+                self.seconds[path] += self._now() - start
                 self._path = outer
 
         return timed
@@ -83,20 +86,20 @@ class Recorder:
 
 @contextmanager
 def recording(model: Upsampler, recorder: Recorder) -> Iterator[None]:
-    """Within, a model's calls of its modules, of its own methods and of `supersampling.ops` are parts."""
+    """Record a model's calls of its modules, of its own methods and of `supersampling.ops` as parts."""
     with ExitStack() as undo:
         for name, module in _modules(model):
-            timed = recorder.recorded(name, type(module).__name__, module.forward)
+            timed = recorder.record(name, type(module).__name__, module.forward)
             undo.enter_context(patch.object(module, "forward", timed))
         for name, kind, function in _methods(model):
-            undo.enter_context(patch.object(model, name, recorder.recorded(name, kind, function)))
-        for owner, name, function in _functions(model):
-            undo.enter_context(patch.object(owner, name, recorder.recorded(name, "function", function)))
+            undo.enter_context(patch.object(model, name, recorder.record(name, kind, function)))
+        for namespace, name, function in _functions(model):
+            undo.enter_context(patch.object(namespace, name, recorder.record(name, "function", function)))
         yield
 
 
 def _modules(module: nn.Module) -> Iterator[tuple[str, nn.Module]]:
-    """Modules by their names within what calls them, which a list does not."""
+    """Yield modules with their names within the module that calls them; a list of modules calls none."""
     for name, child in module.named_children():
         if not isinstance(child, nn.ModuleList):
             yield name, child
@@ -107,7 +110,7 @@ def _modules(module: nn.Module) -> Iterator[tuple[str, nn.Module]]:
 
 
 def _methods(model: Upsampler) -> Iterator[tuple[str, str, Any]]:
-    """Methods that a model's own classes add to what every upsampler has."""
+    """Yield the methods that a model's classes add to those of `Upsampler`."""
     shared = set(dir(Upsampler))
     for name in {n for c in type(model).__mro__ for n, v in vars(c).items() if isinstance(v, FunctionType)}:
         if name not in shared:
@@ -115,7 +118,7 @@ def _methods(model: Upsampler) -> Iterator[tuple[str, str, Any]]:
 
 
 def _functions(model: Upsampler) -> Iterator[tuple[Any, str, Any]]:
-    """Tensor functions by each name that a model's modules call them by."""
+    """Yield tensor functions with each module and name under which a model's modules call them."""
     for used in {c.__module__ for m in model.modules() for c in type(m).__mro__}:
         if not used.startswith("supersampling."):
             continue
@@ -124,21 +127,21 @@ def _functions(model: Upsampler) -> Iterator[tuple[Any, str, Any]]:
                 yield sys.modules[used], name, value
 
 
-def parts(model: Upsampler, step: Callable[[], object], frames: int, recorder: Recorder) -> list[Part]:
-    """What a step's time is made of.
+def measure_parts(model: Upsampler, step: Callable[[], object], frames: int, recorder: Recorder) -> list[Part]:
+    """Return the time of each part of a step.
 
-    The parts of each level are followed by what is in none of them; all of a level adds up to what calls it, as means over the
-    same frames do.
+    The parts of each level are followed by the time that none of them takes. A level adds up to the part that calls it,
+    since all means are over the same frames.
     """
     with recording(model, recorder):
-        seen = [recorder.frame(step) for _ in range(frames)]
-    middle = sorted(seen, key=lambda frame: frame[()])[frames // 4 : frames - frames // 4]
+        samples = [recorder.frame(step) for _ in range(frames)]
+    middle = sorted(samples, key=lambda frame: frame[()])[frames // 4 : frames - frames // 4]
     rows: list[Part] = []
 
-    def add(name: str, kind: str, seconds: Callable[[Spent], float]) -> None:
-        ms, all_ms = (fmean(1e3 * seconds(f) for f in middle), spread([1e3 * seconds(f) for f in seen]))
+    def add(name: str, kind: str, seconds: Callable[[Seconds], float]) -> None:
+        ms, all_ms = (fmean(1e3 * seconds(f) for f in middle), spread([1e3 * seconds(f) for f in samples]))
         share = ms / whole if whole else 0.0
-        rows.append(Part(name, kind, ms, all_ms.low, all_ms.high, share))
+        rows.append(Part(part=name, kind=kind, ms=ms, low=all_ms.low, high=all_ms.high, share=share))
 
     def walk(path: Path) -> None:
         children = [p for p in recorder.kinds if len(p) == len(path) + 1 and p[:-1] == path]
@@ -146,7 +149,7 @@ def parts(model: Upsampler, step: Callable[[], object], frames: int, recorder: R
             add(".".join(child), recorder.kinds[child], lambda f, c=child: f[c])  # type: ignore[misc]
             walk(child)
         if children or not path:
-            add(".".join((*path, OWN)), "", lambda f: f[path] - sum(f[c] for c in children))
+            add(".".join((*path, REST)), "", lambda f: f[path] - sum(f[c] for c in children))
 
     whole = fmean(1e3 * f[()] for f in middle)
     walk(())

@@ -1,4 +1,4 @@
-"""Frames one at a time, as a game would give them, and how long each takes."""
+"""Streaming use: frames one at a time, as a game renders them, and the time of each."""
 
 import itertools
 import time
@@ -12,23 +12,24 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
+from supersampling.deploy.check import buffers
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
 from supersampling.models.count import LONGEST, random_frame
-from supersampling.profiling.backends import Stream, buffers
+from supersampling.profiling.backends import Stream
 from supersampling.profiling.ceiling import synchronise
 
 Clock = Callable[[], float]  # seconds
-FEWEST, MOST = 4, 64  # distinct frames
-SETTLING = 2  # frames after the state has reached its full size: what runs for the first time there is done
-SMOOTH = 8  # motion changes over an eighth of the image: neighbours read neighbours, as in a rendered frame
+FEWEST, MOST = 4, 64  # number of distinct frames
+SETTLING = 2  # frames after the state has reached its full size, in which code runs for the first time
+SMOOTH = 8  # motion varies over an eighth of the image: neighbours read neighbours, as in a rendered frame
 _CACHES = Path("/sys/devices/system/cpu/cpu0/cache")
-USUAL_CACHE = 2**25
+USUAL_CACHE = 2**25  # bytes
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Median and quartiles of so many values."""
+    """Median and quartiles of ``count`` values."""
 
     median: float
     low: float
@@ -37,30 +38,30 @@ class Spread:
 
 
 def spread(values: Sequence[float]) -> Spread:
-    """Of one value or more."""
+    """Return the spread of at least one value."""
     low, median, high = np.quantile(values, (0.25, 0.5, 0.75))
     return Spread(float(median), float(low), float(high), len(values))
 
 
 def cache_size() -> int:
-    """Bytes of this processor's largest cache; 32 MiB where it does not say."""
+    """Return the bytes of this processor's largest cache; 32 MiB if the system does not say."""
     units = {"K": 2**10, "M": 2**20, "G": 2**30}
     sizes = [p.read_text().strip() for p in _CACHES.glob("index*/size")]
     return max((int(s[:-1]) * units[s[-1]] for s in sizes if s[-1:] in units), default=USUAL_CACHE)
 
 
 def distinct_frames(model: Upsampler, width: int, height: int, jitters: Tensor | None, cache: int) -> list[Frame]:
-    """Random frames that together are larger than ``cache`` bytes, 4 to 64 of them, with the jitters in turn.
+    """Return 4 to 64 random frames that together are larger than ``cache`` bytes, with the jitters in turn.
 
-    Motion is smooth, up to 1 % of the image.
+    Motion is smooth, at most 1 % of the image.
 
     Args:
         width, height: of the low-resolution input.
         jitters: ``(N, 2)``, or None for random ones.
     """
     first = _frame(model, width, height, jitters, 0)
-    held = sum(values.nbytes for values in buffers(first).values())
-    count = min(max(FEWEST, cache // held + 1), MOST)
+    frame_bytes = sum(values.nbytes for values in buffers(first).values())
+    count = min(max(FEWEST, cache // frame_bytes + 1), MOST)
     return [first, *(_frame(model, width, height, jitters, t) for t in range(1, count))]
 
 
@@ -77,7 +78,7 @@ def _frame(model: Upsampler, width: int, height: int, jitters: Tensor | None, t:
 
 
 class Streaming:
-    """A loaded method with frames to run on, one after the other and over again."""
+    """A loaded method with frames that it runs on in turn, again and again."""
 
     def __init__(
         self, stream: Stream, frames: Sequence[Frame], device: torch.device, clock: Clock = time.perf_counter
@@ -87,13 +88,13 @@ class Streaming:
         self._device, self._clock = device, clock
 
     def step(self) -> Any:
-        """The next frame's result, once the device has it."""
+        """Return the next frame's result after the device has finished."""
         result = self.stream.step(next(self._frames))
         synchronise(self._device)
         return result
 
     def warm_up(self) -> None:
-        """Run until the state has its full size, and a little longer.
+        """Run until the state has its full size, and `SETTLING` frames more.
 
         Raises:
             RuntimeError: the state still grows after 64 frames.
@@ -111,14 +112,14 @@ class Streaming:
             self.step()
 
     def time(self, frames: int, seconds: float) -> list[float]:
-        """Seconds of each of so many frames, or of as many as begin within so many seconds, of one at least.
+        """Return the seconds of each of ``frames`` frames, or of those that begin within ``seconds``, at least one.
 
-        A frame before them is not counted: what ran in between took the caches.
+        One frame before them is not counted: other programs have filled the caches since the last frame.
         """
         self.step()
-        taken: list[float] = []
-        while len(taken) < frames and (not taken or sum(taken) < seconds):
-            began = self._clock()
+        times: list[float] = []
+        while len(times) < frames and (not times or sum(times) < seconds):
+            start = self._clock()
             self.step()
-            taken.append(self._clock() - began)
-        return taken
+            times.append(self._clock() - start)
+        return times

@@ -1,8 +1,10 @@
 """Rows that tell whether an evaluation can be trusted: the scores of the targets themselves, and of the raw rendering."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from filelock import FileLock
 from hydra.utils import instantiate
@@ -17,7 +19,7 @@ from supersampling.models.base import Upsampler
 from supersampling.models.nearest import Nearest
 from supersampling.runs import tags
 from supersampling.runs.experiment import FINISHED, Experiment
-from supersampling.runs.identity import digest
+from supersampling.runs.identity import SCHEME, Identity, digest, with_former_paths
 from supersampling.runs.options import described
 from supersampling.runs.scores import has_metrics, log_result, means_of
 
@@ -54,17 +56,25 @@ def score_once(
 
     Returns the result, None if there was nothing to do, and the means over all clips by metric.
     """
-    protocol = described(OmegaConf.to_container(cfg.protocol, resolve=True))
-    data = fingerprint(files, ["target", "color"])
-    key = digest([method.kind, method.name, method.content, data, protocol])
-    folder = Path(cfg.paths.checkpoints) / key
+    key = _identity(cfg, method, files)
+    folder = Path(cfg.paths.checkpoints) / key.key
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(folder / "lock"):
         return _score(cfg, experiment, method, key, files)
 
 
+def _identity(cfg: DictConfig, method: Untrained, files: list[Path]) -> Identity:
+    protocol: Any = OmegaConf.to_container(cfg.protocol, resolve=True)
+    data = fingerprint(files, ["target", "color"])
+    text = f"{method.kind} {method.name} {method.content} {data} {with_former_paths(protocol)}"
+    return Identity(
+        digest([method.kind, method.name, method.content, data, described(protocol)]),
+        hashlib.sha256(text.encode()).hexdigest()[:16],
+    )
+
+
 def _score(
-    cfg: DictConfig, experiment: Experiment, method: Untrained, key: str, files: list[Path]
+    cfg: DictConfig, experiment: Experiment, method: Untrained, key: Identity, files: list[Path]
 ) -> tuple[Result | None, dict[str, float]]:
     metrics: Metrics = instantiate(cfg.metrics)
     run = experiment.find(key)
@@ -74,7 +84,8 @@ def _score(
     if run is None:
         run_tags = {
             tags.KIND: method.kind,
-            tags.IDENTITY: key,
+            tags.IDENTITY: key.key,
+            tags.SCHEME: SCHEME,
             tags.METHOD: method.name,
             tags.DATASET: fingerprint(files, ["target"]),
         }

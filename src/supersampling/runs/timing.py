@@ -1,4 +1,4 @@
-"""How long methods take, as ``benchmark.py`` measures and logs it."""
+"""Times of methods as ``benchmark.py`` measures and logs them."""
 
 import json
 import math
@@ -14,29 +14,31 @@ from supersampling.runs.options import described
 
 TABLE = "timings.json"
 STAGES = "stages.json"
+_COLUMNS = {"reason": "why"}  # columns of the stored table that are not named as in `Timing`
 
 # Entries of a model's configuration that cannot change its speed.
 _WEIGHTS_ONLY = ("initialise",)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Timing:
-    """How long a method takes for a frame, in streaming use, of one target size, backend and precision, on one machine.
+    """Time of a method per frame in streaming use, for one target size, backend and precision, on one machine.
 
     Attributes:
-        method: as MLflow shows it.
+        method: name as MLflow shows it.
         architecture: see `architecture`.
-        width, height: of the target, pixels.
-        backend: eager, channels_last, compile, onnxruntime, openvino, tensorrt.
+        width, height: size of the target, pixels.
+        backend: eager, channels_last, compile, onnxruntime, openvino, tensorrt, native.
         precision: float32, bfloat16, float16, int8.
         device: cpu, cuda.
-        ms: median of a frame; NaN where it does not run. ``low`` and ``high`` are its quartiles, of ``frames`` timed ones.
-        peak_mb: 10^6 bytes at the peak, beyond what the process held before the method was loaded.
-        gmac: 10^9 multiply-accumulates of a frame; NaN of a method that cannot be counted from shapes alone.
-        gbytes: 10^9 bytes that a frame moves at least: inputs, output and weights once, state read and written.
-        of_product: share of this machine's measured rate of multiply-accumulates in a large matrix product, of that precision.
-        of_copy: share of its measured rate of bytes read and written in a large copy.
-        why: why there is no number, one sentence.
+        ms: median per frame; NaN if the method does not run. ``low`` and ``high`` are quartiles over ``frames`` frames.
+        peak_mb: 10^6 bytes at the peak, less those that the process used before the method was loaded.
+        gmac: 10^9 multiply-accumulates per frame; NaN for a method that cannot be counted from shapes only.
+        gbytes: least 10^9 bytes that a frame moves: inputs, output and weights once, state read and written.
+        of_product: share of this machine's measured multiply-accumulates per second in a large matrix product of that
+            precision.
+        of_copy: share of its measured bytes read and written per second in a large copy.
+        reason: why there is no time, in one sentence; the stored column is ``why``.
     """
 
     method: str
@@ -59,16 +61,16 @@ class Timing:
     gbytes: float
     of_product: float
     of_copy: float
-    why: str = ""
+    reason: str = ""
 
     @property
     def runs(self) -> bool:
-        """Whether there is a number."""
+        """Whether the method was timed."""
         return math.isfinite(self.ms)
 
 
 def architecture(model_config: Mapping[str, Any], scale: int) -> str:
-    """Return 16 hex digits of a model's resolved configuration and its scale: all that decides its speed, not its weights."""
+    """Return 16 hex digits of a model's resolved configuration and scale: what decides its speed, not its weights."""
     return digest({"model": described(_without_weights(model_config)), "scale": int(scale)})
 
 
@@ -82,23 +84,30 @@ def _without_weights(model_config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def table(timings: Iterable[Timing]) -> pd.DataFrame:
-    """A row a timing, its attributes as columns."""
-    return pd.DataFrame([asdict(t) for t in timings], columns=[f.name for f in fields(Timing)])
+    """Return a table with one row per timing and its attributes as columns."""
+    rows = pd.DataFrame([asdict(t) for t in timings], columns=[f.name for f in fields(Timing)])
+    return rows.rename(columns=_COLUMNS)
 
 
 def read(path: Path) -> list[Timing]:
-    """The timings of a logged table's file; pandas' own reader would take an architecture of digits for a number."""
+    """Return the timings in the file of a logged table.
+
+    This does not use pandas' reader, which would turn an architecture of digits into a number.
+    """
     content = json.loads(path.read_text())
     return timings_of(pd.DataFrame(content["data"], columns=content["columns"], dtype=object))
 
 
 def timings_of(frame: pd.DataFrame) -> list[Timing]:
-    """What `table` was made of; what JSON has no number for is NaN again."""
+    """Return the timings of a `table`, with NaN for JSON's null."""
     kinds: dict[str, Any] = {f.name: f.type for f in fields(Timing)}
-    return [Timing(**{name: _as(kind, row[name]) for name, kind in kinds.items()}) for row in frame.to_dict("records")]
+    rows = frame.to_dict("records")
+    return [
+        Timing(**{name: _convert(kind, row[_COLUMNS.get(name, name)]) for name, kind in kinds.items()}) for row in rows
+    ]
 
 
-def _as(kind: type, value: Any) -> Any:
+def _convert(kind: type, value: Any) -> Any:
     if kind is float:
         return math.nan if value is None else float(value)
     return kind(value)

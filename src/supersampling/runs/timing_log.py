@@ -10,7 +10,7 @@ from supersampling.runs.experiment import Experiment
 from supersampling.runs.subjects import finished_jobs
 from supersampling.runs.timing import STAGES, TABLE, Timing, table
 
-JOB_TARGET = (1920, 1080)  # the target whose time is logged into a job's run
+JOB_TARGET = (1920, 1080)  # target size whose time is logged into a job's run
 LOGGED = ("threads", "rounds", "frames", "seconds", "depth")
 
 

@@ -13,6 +13,7 @@ from torch.utils._pytree import tree_leaves
 
 from supersampling.models.base import Upsampler
 from supersampling.models.count import random_frame
+from supersampling.profiling.memory import available
 
 GIGA = 1e9
 DOUBLE, HELD = 2.0, 1.5  # the reference is in float64, and what is kept for the comparison
@@ -66,20 +67,9 @@ def gigabytes(model: Upsampler, width: int, height: int) -> float:
     return peak.peak * DOUBLE * HELD / GIGA
 
 
-def available(device: str) -> float:
-    """Gigabytes that are free."""
-    if device == "cuda":
-        return float(torch.cuda.mem_get_info()[0] / GIGA)
-    with open("/proc/meminfo", encoding="ascii") as lines:
-        for line in lines:
-            if line.startswith("MemAvailable:"):
-                return int(line.split()[1]) * 1024 / GIGA
-    return float("nan")
-
-
 def too_large(model: Upsampler, size: tuple[int, int], device: str) -> str:
     """Why a size is not tried on this machine; empty if it fits."""
-    needed, free = gigabytes(model, *size), available(device)
-    if needed > free:
-        return f"needs about {needed:.0f} GB beside float64, and {free:.0f} GB are free"
+    needed, free = gigabytes(model, *size), available(torch.device(device))
+    if free is not None and needed > free / GIGA:
+        return f"needs about {needed:.0f} GB beside float64, and {free / GIGA:.0f} GB are free"
     return ""

@@ -1,28 +1,22 @@
 """Number formats, and how far from float64 each may be."""
 
-import importlib
-import importlib.util
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
-import torch
-from torch import nn
-
+from supersampling.deploy import quantise
 from supersampling.errors import UserError
-
-QUANTISE = "supersampling.deploy.quantise"
+from supersampling.models.precision import autocast, missing_convolution
 
 
 @dataclass(frozen=True)
 class Precision:
-    """A number format: weights and buffers stay float32, convolutions are computed in ``dtype``, as in training.
+    """A number format: weights and buffers stay float32, convolutions are computed in it, as in training.
 
     ``largest`` and ``mean`` are the tolerances, in units of the output's range; ``reason`` says where they come from.
     """
 
     name: str
-    dtype: torch.dtype
     largest: float
     mean: float
     reason: str
@@ -36,24 +30,22 @@ class Precision:
         return f"{self.largest:g} / {self.mean:g}"
 
     def context(self, device: str) -> AbstractContextManager[object]:
-        if self.dtype == torch.float32:
-            return nullcontext()
-        return torch.autocast(device, self.dtype)
+        return autocast(device, self.name)
 
 
 STEP = 1.0 / 255.0
 PRECISIONS = {
     p.name: p
     for p in (
-        Precision("float32", torch.float32, STEP / 2, 1e-5,
+        Precision("float32", STEP / 2, 1e-5,
                   "Half a step of 8 bits, so that an image is never seen to change; in the mean 10^-5, of which a dozen "
                   "convolutions' rounding is a tenth."),
-        Precision("bfloat16", torch.bfloat16, 32 * STEP, 4 * STEP,
+        Precision("bfloat16", 32 * STEP, 4 * STEP,
                   "8 binary digits are a rounding of 2^-9, half a step of 8 bits, in each of about ten layers and again in each "
                   "frame: 4 steps in the mean, and 8 times as much in single pixels."),
-        Precision("float16", torch.float16, 4 * STEP, STEP / 2,
+        Precision("float16", 4 * STEP, STEP / 2,
                   "11 digits, an eighth of bfloat16's rounding."),
-        Precision("int8", torch.int8, 64 * STEP, 8 * STEP, "7 digits and a sign, twice bfloat16's rounding."),
+        Precision("int8", 64 * STEP, 8 * STEP, "7 digits and a sign, twice bfloat16's rounding."),
     )
 }  # fmt: skip
 
@@ -62,17 +54,7 @@ INT8 = PRECISIONS["int8"]
 
 def lacks(name: str, device: str) -> str:
     """Why this device cannot compute in a precision; empty if it can."""
-    if name == "int8":
-        if importlib.util.find_spec(QUANTISE) is None:
-            return f"int8 needs {QUANTISE}, which this version does not have"
-        return str(importlib.import_module(QUANTISE).missing()).rstrip(".")
-    try:
-        conv = nn.Conv2d(4, 4, 3, device=device)
-        with PRECISIONS[name].context(device):
-            conv(torch.zeros(1, 4, 8, 8, device=device))
-    except (RuntimeError, NotImplementedError) as error:
-        return f"{device} has no {name} convolution here ({str(error).splitlines()[0]})"
-    return ""
+    return quantise.missing().rstrip(".") if name == "int8" else missing_convolution(device, name)
 
 
 def chosen(names: Sequence[str] | None, device: str) -> list[Precision]:

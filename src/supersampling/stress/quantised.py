@@ -1,8 +1,6 @@
 """int8: a method exported, its convolutions quantised on the plain clip, and run outside of PyTorch at the extremes."""
 
 import copy
-import importlib
-import json
 import math
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -12,16 +10,17 @@ from pathlib import Path
 import torch
 
 from supersampling.deploy.check import arrays
-from supersampling.deploy.describe import describe
+from supersampling.deploy.describe import write
 from supersampling.deploy.graph import export
-from supersampling.deploy.runner import Runner, sidecar
+from supersampling.deploy.quantise import quantise
+from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OpenVINO
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
 from supersampling.stress.cell import Cell, drift_of, judge
 from supersampling.stress.clip import Clip, clip_of, frame_of
 from supersampling.stress.extreme import Extreme
-from supersampling.stress.precision import INT8, QUANTISE, lacks
+from supersampling.stress.precision import INT8, lacks
 from supersampling.stress.trial import Distance, frames_of, reference_of
 
 CALIBRATED = 16  # frames, all of the jitter's positions
@@ -33,15 +32,11 @@ def runner_of(model: Upsampler, size: tuple[int, int], folder: Path) -> Runner:
     Raises:
         UserError: it cannot be exported, or has nothing to quantise.
     """
-    graphs = export(copy.deepcopy(model), size)
-    path, first = folder / "method.onnx", folder / "method.first.onnx"
-    graphs.other.save(str(path))
-    graphs.first.save(str(first))
-    description = describe(model, graphs, (first.name, path.name), {}, {})
-    sidecar(path).write_text(json.dumps(description))
+    path = folder / "method.onnx"
+    write(path, model, export(copy.deepcopy(model), size))
     plain = clip_of(model.requires, CALIBRATED, *size, model.scale)
     frames = [frame_of(inputs, torch.float32, "cpu") for inputs in frames_of(plain)]
-    out = importlib.import_module(QUANTISE).quantise(path, [frames])
+    out = quantise(path, [frames])
     return Runner(out, OpenVINO())
 
 

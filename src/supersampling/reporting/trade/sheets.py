@@ -204,7 +204,7 @@ def _here(stages: pd.DataFrame, place: Place) -> pd.Series:
 def _missing_sheet(missing: Sequence[Timing]) -> Sheet:
     by_reason: dict[tuple[str, str, str], list[str]] = {}
     for t in missing:
-        names = by_reason.setdefault((t.backend, t.precision, t.why), [])
+        names = by_reason.setdefault((t.backend, t.precision, t.reason), [])
         if t.method not in names:
             names.append(t.method)
     rows = [[Text(b), Text(p), Text(why), Text(", ".join(names))] for (b, p, why), names in by_reason.items()]
@@ -220,7 +220,7 @@ def long_form(trade: Trade) -> list[dict[str, object]]:
     }
     return [
         {
-            "method": c.label, **{k: v for k, v in vars(c.timing).items() if k not in ("method", "why")},
+            "method": c.label, **{k: v for k, v in vars(c.timing).items() if k not in ("method", "reason")},
             "psnr": c.quality.mean, "low_95": c.quality.low, "high_95": c.quality.high,
             "precision_cost": c.cost.mean if c.cost else 0.0, "front": id(c) in on,
             "runs": " ".join(run.id for run in c.runs),
