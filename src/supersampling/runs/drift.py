@@ -1,4 +1,4 @@
-"""What a number format or a backend changes in quality, as it is stored and summarised."""
+"""The change of quality by a number format or a backend, as it is stored and summarised."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,19 +10,17 @@ import pandas as pd
 from supersampling.runs.statistics import Estimate, bootstrap_mean
 
 TABLE = "precision.json"
-
-
 KEYS = ["method", "architecture", "backend", "precision", "machine"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Change:
-    """What one variant changes, over ``frames`` frames of whole clips.
+    """The change of quality by one variant, over ``frames`` frames of whole clips.
 
     Attributes:
-        mean: dB, variant less float32, paired; a negative one is a loss.
-        slope: dB a frame, of a straight line through each clip's differences: how fast it drifts.
-        largest: difference of any pixel, of a range of 1; infinite where one is not finite.
+        mean: of variant minus float32, paired, in dB; a negative one is a loss.
+        slope: of a straight line through each clip's differences, in dB per frame: how fast it drifts.
+        largest: difference of any pixel, of a range of 1; infinite if any pixel is not finite.
     """
 
     method: str
@@ -37,17 +35,18 @@ class Change:
 
 
 def changes(rows: pd.DataFrame) -> list[Change]:
-    """Of a table of `roll` with the columns `KEYS` beside; the order is the table's."""
-    return [_change(dict(zip(KEYS, key)), of_one) for key, of_one in rows.groupby(KEYS, sort=False)]
+    """Return the changes of a table with one row per frame and the columns `KEYS`, in the table's order."""
+    return [_change(dict(zip(KEYS, key)), group) for key, group in rows.groupby(KEYS, sort=False)]
 
 
-def _change(named: dict[str, Any], rows: pd.DataFrame) -> Change:
+def _change(keys: dict[str, Any], rows: pd.DataFrame) -> Change:
     apart = rows.assign(apart=rows["changed"].astype(float) - rows["psnr"].astype(float))
     clips = [clip for _, clip in apart.groupby(["scene", "clip"], sort=True)]
     scenes = [str(clip["scene"].iloc[0]) for clip in clips]
-    largest = pd.to_numeric(rows["largest"]).fillna(np.inf)  # JSON knows no infinity
+    # JSON has no infinity.
+    largest = pd.to_numeric(rows["largest"]).fillna(np.inf)
     return Change(
-        **named,
+        **keys,
         mean=bootstrap_mean([float(clip["apart"].mean()) for clip in clips], scenes),
         slope=bootstrap_mean([slope(clip["frame"], clip["apart"]) for clip in clips], scenes),
         largest=float(largest.max()),
@@ -56,12 +55,12 @@ def _change(named: dict[str, Any], rows: pd.DataFrame) -> Change:
 
 
 def slope(frames: pd.Series, values: pd.Series) -> float:
-    """Of the straight line of least squares; 0 of a single frame."""
+    """Return the slope of the straight line of least squares; 0 for a single frame."""
     x = frames.to_numpy(dtype=float) - float(frames.mean())
-    below = float((x * x).sum())
-    return 0.0 if below == 0.0 else float((x * values.to_numpy(dtype=float)).sum() / below)
+    squares = float((x * x).sum())
+    return 0.0 if squares == 0.0 else float((x * values.to_numpy(dtype=float)).sum() / squares)
 
 
-def costs(found: Sequence[Change]) -> dict[tuple[str, str, str], Estimate]:
-    """As `supersampling.reporting.trade.front.candidates` wants them; the last of several counts."""
-    return {(c.architecture, c.backend, c.precision): c.mean for c in found}
+def costs(changes: Sequence[Change]) -> dict[tuple[str, str, str], Estimate]:
+    """Return the mean changes by architecture, backend and precision; the last of several counts."""
+    return {(c.architecture, c.backend, c.precision): c.mean for c in changes}
