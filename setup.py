@@ -6,7 +6,8 @@ from pathlib import Path
 from setuptools import setup
 from setuptools.command.build_py import build_py
 
-RESOURCES = ("conf", "sweeps", "reports/published", "reports/templates")
+RESOURCES = ("conf", "sweeps", "reports")
+OUTPUTS = "out"  # of report.py
 
 
 class BuildWithResources(build_py):
@@ -18,7 +19,8 @@ class BuildWithResources(build_py):
             return
         for folder in RESOURCES:
             target = Path(self.build_lib) / "supersampling" / "resources" / folder
-            shutil.copytree(Path(__file__).parent / folder, target, dirs_exist_ok=True)
+            ignore = shutil.ignore_patterns(OUTPUTS)
+            shutil.copytree(Path(__file__).parent / folder, target, ignore=ignore, dirs_exist_ok=True)
 
 
 setup(cmdclass={"build_py": BuildWithResources})

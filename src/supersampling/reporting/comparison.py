@@ -1,4 +1,4 @@
-"""Two methods over the same clips: each metric's paired difference, its interval, and whether the data resolve it."""
+"""The comparison of two methods over the same clips: paired differences, their intervals, and verdicts."""
 
 import math
 from collections.abc import Sequence
@@ -8,17 +8,18 @@ import pandas as pd
 
 from supersampling.errors import UserError
 from supersampling.metrics.directions import better
+from supersampling.reporting.format import UNRESOLVED, decimals, fixed, plus_minus, span
 from supersampling.reporting.seeds import SHORT, Group
 from supersampling.reporting.selection import settings
 from supersampling.runs.estimates import PLACE, ClipTables, difference, estimate
 from supersampling.runs.statistics import LEVEL, Estimate
 
-NO_INTERVAL, UNRESOLVED, EQUAL = "no interval", "unresolved", "equal on every clip"
+NO_INTERVAL, EQUAL = "no interval", "equal on every clip"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Compared:
-    """One metric of two methods: their own means, ``a - b`` paired, and the verdict."""
+    """One metric of two methods: the mean of each, ``a - b`` paired, and the verdict."""
 
     metric: str
     a: Estimate
@@ -28,43 +29,46 @@ class Compared:
 
 
 def compare(a: Group, b: Group, tables: ClipTables, metrics: Sequence[str] | None = None) -> list[Compared]:
-    """Every metric that all of both groups' runs logged, or those named, in the order of the tables.
+    """Return the comparison of every metric that all runs of both groups logged, or of the requested ones.
 
     Raises:
-        UserError: a run without clip tables, no metric or no clip in common, a metric that was not logged.
+        UserError: a run has no clip table, there is no common metric or clip, or a requested metric was not logged.
     """
     runs = [*a.runs, *b.runs]
     without = [run.id for run in runs if run.id not in tables]
     if without:
-        raise UserError(f"run {without[0]} has no table of its clips: score it again with evaluate.py")
+        raise UserError(f"Run {without[0]} has no table of its clips: score it again with evaluate.py.")
     common = [name for name in _metrics(tables[runs[0].id]) if all(name in tables[run.id] for run in runs)]
     if not common:
-        raise UserError(f"'{a.label}' and '{b.label}' have no metric in common: score both with the same metrics=...")
+        raise UserError(f"No metric is common to {a.label} and {b.label}: score both with the same metrics=....")
     unknown = [name for name in metrics or () if name not in common]
     if unknown:
-        raise UserError(f"metric={','.join(unknown)} was not logged by every run: choose from {', '.join(common)}")
+        raise UserError(f"Not every run logged metric={','.join(unknown)}: choose from {', '.join(common)}.")
     sides = _sides(a, b)
-    found = []
+    compared = []
     for name in metrics or common:
-        own, other, delta = (
-            estimate(a.runs, name, tables), estimate(b.runs, name, tables), difference(a.runs, b.runs, name, tables),
-        )  # fmt: skip
-        if own is None or other is None or delta is None:
-            raise UserError(f"'{a.label}' and '{b.label}' have no clip in common that has a value of {name}")
-        found.append(Compared(name, own, other, delta, verdict(name, delta, *sides)))
-    return found
+        first, second = estimate(a.runs, name, tables), estimate(b.runs, name, tables)
+        delta = difference(a.runs, b.runs, name, tables)
+        if first is None or second is None or delta is None:
+            raise UserError(
+                f"No clip with a value of {name} is common to {a.label} and {b.label}: score both on the same clips."
+            )
+        compared.append(
+            Compared(metric=name, a=first, b=second, difference=delta, verdict=verdict(name, delta, *sides))
+        )
+    return compared
 
 
 def _sides(a: Group, b: Group) -> tuple[str, str]:
-    """What the verdict calls them, as short as tells them apart."""
-    for one, other in ((a.runs[0].model, b.runs[0].model), (a.label, b.label)):
-        if one != other:
-            return one, other
+    """Return the shortest names that distinguish the two in a verdict."""
+    for first, second in ((a.runs[0].model, b.runs[0].model), (a.label, b.label)):
+        if first != second:
+            return first, second
     return "a", "b"
 
 
 def verdict(metric: str, delta: Estimate, a: str, b: str) -> str:
-    """Who is better, if the interval of ``a - b`` says so and it is known which way is better."""
+    """Return which is better, if the interval of ``a - b`` says so and the metric's direction is known."""
     if math.isnan(delta.low):
         return NO_INTERVAL
     if delta.low == delta.high == 0:
@@ -81,47 +85,29 @@ def _metrics(table: pd.DataFrame) -> list[str]:
     return [str(name) for name in table.columns if name not in PLACE]
 
 
-def decimals(half_width: float) -> int:
-    """So many that the half-width shows two digits; 4 where there is none."""
-    if not half_width > 0 or math.isinf(half_width):
-        return 4
-    rounded = float(f"{half_width:.1e}")  # 9.96 becomes 10, which needs no decimal
-    return min(8, max(0, 1 - math.floor(math.log10(rounded))))
-
-
-def plus_minus(value: Estimate) -> str:
-    """``mean ± half-width``."""
-    places = decimals(value.half_width)
-    mean = f"{value.mean:.{places}f}"
-    return mean if math.isnan(value.half_width) else f"{mean} ± {value.half_width:.{places}f}"
-
-
 def text(a: Group, b: Group, compared: Sequence[Compared], tables: ClipTables) -> str:
-    """The comparison as it is printed, with what its intervals speak about."""
+    """Return the comparison as it is printed, with the population that its intervals are about."""
     heads = ["metric", "better", "a", "b", "a − b", f"{LEVEL:.0%} interval", "verdict"]
     body = [_row(item) for item in compared]
     widths = [max(len(row[i]) for row in [heads, *body]) for i in range(len(heads))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in [heads, *body]]
-    return "\n".join([*_who(a, b), "", *lines, "", *_notes(a, b, compared, tables), ""])
+    return "\n".join([*_describe(a, b), "", *lines, "", *_notes(a, b, compared, tables), ""])
 
 
 def _row(item: Compared) -> list[str]:
     delta = item.difference
     places = decimals(delta.half_width)
-    interval = "none" if math.isnan(delta.low) else f"{delta.low:+.{places}f} to {delta.high:+.{places}f}"
-    mean = "undefined" if math.isnan(delta.mean) else f"{delta.mean:+.{places}f}"
-    cells = [
+    return [
         item.metric,
         better(item.metric) or "unstated",
-        plus_minus(item.a),
-        plus_minus(item.b),
-        mean,
-        interval,
+        *(plus_minus(value, decimals(value.half_width)) for value in (item.a, item.b)),
+        fixed(delta.mean, places, sign=True) or "undefined",
+        "none" if math.isnan(delta.low) else span(delta, places),
+        item.verdict,
     ]
-    return [*cells, item.verdict]
 
 
-def _who(a: Group, b: Group) -> list[str]:
+def _describe(a: Group, b: Group) -> list[str]:
     return [
         f"{key}: {group.label}, {_seeds(group)}, {_runs(group)}; {group.setting}" for key, group in (("a", a), ("b", b))
     ]
@@ -157,13 +143,13 @@ def _notes(a: Group, b: Group, compared: Sequence[Compared], tables: ClipTables)
         notes.append("Each interval holds on its own: of many metrics one may miss by chance.")
     if a.setting.budget and b.setting.budget and a.setting.budget != b.setting.budget:
         notes.append(f"They were trained on different budgets: {a.setting.budget} and {b.setting.budget}.")
-    elif a.seeds and b.seeds and (other := _unlike(a, b)):
-        notes.append(f"They also differ in {other}.")
+    elif a.seeds and b.seeds and (differences := _differences(a, b)):
+        notes.append(f"They also differ in {differences}.")
     clips = _clips(a, b, tables)
     for item in compared:
-        lost = clips - item.difference.clips
-        if lost:
-            notes.append(f"{item.metric}: {_count(lost, 'clip')} left out, of which not every run has a value.")
+        left_out = clips - item.difference.clips
+        if left_out:
+            notes.append(f"{item.metric}: {_count(left_out, 'clip')} left out, of which not every run has a value.")
         if item.verdict == NO_INTERVAL and item.difference.clips > 1:
             notes.append(f"{item.metric} is infinite on a clip (output equals target there): no interval.")
         if better(item.metric) is None:
@@ -177,14 +163,14 @@ def _count(number: int, name: str) -> str:
     return f"{number} {name}{'s' * (number != 1)}"
 
 
-def _unlike(a: Group, b: Group) -> str:
-    """Settings of the training, the model's own aside, in which they differ."""
-    ours, theirs = settings(a.runs[0]), settings(b.runs[0])
-    names = sorted(n for n in {*ours, *theirs} if not n.startswith("model.") and ours.get(n) != theirs.get(n))
-    return ", ".join(f"{name} ({ours.get(name)}, {theirs.get(name)})" for name in names)
+def _differences(a: Group, b: Group) -> str:
+    """Return the settings of the training, without the model's own, in which they differ."""
+    first, second = settings(a.runs[0]), settings(b.runs[0])
+    names = sorted(n for n in {*first, *second} if not n.startswith("model.") and first.get(n) != second.get(n))
+    return ", ".join(f"{name} ({first.get(name)}, {second.get(name)})" for name in names)
 
 
 def _clips(a: Group, b: Group, tables: ClipTables) -> int:
-    """How many clips there are in any run's table."""
+    """Return the number of clips that stand in at least one run's table."""
     places = (tables[run.id][PLACE].itertuples(index=False, name=None) for run in [*a.runs, *b.runs])
-    return len({place for listed in places for place in listed})
+    return len({place for rows in places for place in rows})

@@ -1,5 +1,9 @@
-"""Which runs stand in which cell: runs that are compared share data set and budget and differ in nothing unnamed."""
+"""The runs of each cell.
 
+Runs that are compared share data set and budget, and differ in no setting that their cells do not name.
+"""
+
+import math
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,38 +14,50 @@ from supersampling.reporting.settings import Choice, Setting, newest
 from supersampling.runs.store import Run
 
 RESULT_SETTINGS = (
-    "model.", "task.", "loss", "optimizer", "augment", "pick", "trainer.precision", "budget.", "data.train.",
+    "model.",
+    "task.",
+    "loss",
+    "optimizer",
+    "augment",
+    "pick",
+    "trainer.precision",
+    "budget.",
+    "data.train.",
     "protocol",
-)  # fmt: skip
-# What a data set and a budget derive from the task.
+)
+# Settings that a data set and a budget derive from the task.
 FOLLOWS_TASK = {"data.train", "budget.crop"}
 Key = TypeVar("Key", bound=Hashable)
 Settings = dict[str, str]
+Variant = tuple[tuple[str, str], ...]
 
 
 def matches(run: Run, selection: Selection) -> bool:
-    """Whether every named parameter has the selected value, of ``one|other`` either; numbers compare as numbers."""
-    return all(any(_same(run.params.get(name), one) for one in value.split("|")) for name, value in selection.items())
+    """Return whether every named parameter has the selected value, or one of ``first|second``.
+
+    Numbers compare as numbers.
+    """
+    return all(any(_same(run.params.get(name), v) for v in value.split("|")) for name, value in selection.items())
 
 
 def pools_for(choice: Choice, selections: Iterable[Selection], prefer: Selection) -> list[tuple[Setting, list[Run]]]:
-    """The pools that can fill any of the selections, those of the preferred parameters first.
+    """Return the pools that can fill any of the selections, those of the preferred parameters first.
 
-    Where the selections differ in the task (``task.scale`` 2 and 4) no data set holds them all: then the pools of one
-    preset, its scenes and one budget count as one, a data set for each task.
+    If the selections differ in the task (``task.scale`` 2 and 4), no data set holds them all: then the pools of one
+    preset, its scenes and one budget count as one, with a data set for each task.
     """
-    wanted = list(selections)
-    pools = _across_tasks(choice) if _sweep_tasks(wanted) else list(choice.pools.items())
+    requested = list(selections)
+    pools = _across_tasks(choice) if _sweep_tasks(requested) else list(choice.pools.items())
     pools.sort(key=lambda item: not all(matches(run, prefer) for run in item[1]))
     return [
         (setting, runs)
         for setting, runs in pools
-        if any(matches(run, selection) for run in runs for selection in wanted)
+        if any(matches(run, selection) for run in runs for selection in requested)
     ]
 
 
 def _sweep_tasks(selections: Iterable[Selection]) -> bool:
-    """Whether the selections name different tasks."""
+    """Return whether the selections name different tasks."""
     tasks = [{item for item in selection.items() if item[0].startswith("task.")} for selection in selections]
     return any(task != tasks[0] for task in tasks)
 
@@ -61,55 +77,56 @@ def _across_tasks(choice: Choice) -> list[tuple[Setting, list[Run]]]:
 
 
 def _joined(settings: Sequence[Setting]) -> Setting:
-    def every(values: Iterable[str]) -> str:
+    def joined(values: Iterable[str]) -> str:
         return ", ".join(dict.fromkeys(values))
 
     return replace(
         settings[0],
-        dataset=every(s.dataset for s in settings),
-        scale=every(sorted(s.scale for s in settings)),
-        mip_bias=every(s.mip_bias for s in settings),
-        budget=max(s.budget for s in settings),  # of one budget, or untrained
+        dataset=joined(s.dataset for s in settings),
+        scale=joined(sorted(s.scale for s in settings)),
+        mip_bias=joined(s.mip_bias for s in settings),
+        # All are of one budget, or untrained.
+        budget=max(s.budget for s in settings),
     )
 
 
 @dataclass(frozen=True)
 class Chosen(Generic[Key]):
-    """One configuration's runs (its seeds) for each cell, and the runs that matched but differ in a setting unnamed."""
+    """One configuration's runs (its seeds) for each cell, and the runs that match but differ in an unnamed setting."""
 
     cells: dict[Key, list[Run]]
     left_out: list[Run]
 
 
 def choose_runs(runs: Sequence[Run], selections: Mapping[Key, Selection]) -> Chosen[Key]:
-    """For every cell the runs of one configuration; configurations of one model agree in all that no cell selects.
+    """Return the runs of one configuration for every cell; configurations of a model agree in all that no cell selects.
 
-    The configuration that fills most cells leads; a cell takes another one only where it contradicts the leader in
-    no setting that both have.
+    The configuration that fills most cells leads; a cell takes another one only if it contradicts the leader in no
+    setting that both have.
     """
     swept = {name for selection in selections.values() for name in selection}
-    # What every cell leaves open in the same way is as good as unnamed.
+    # A name that every cell leaves open in the same way is as good as unnamed.
     swept -= {
         name for name in swept if len(values := {s.get(name) for s in selections.values()}) == 1 and "|" in str(values)
     }
     if _sweep_tasks(selections.values()):
         swept |= FOLLOWS_TASK
-    found = {key: [run for run in runs if matches(run, selection)] for key, selection in selections.items()}
-    leaders = _leaders(found, swept)
+    candidates = {key: [run for run in runs if matches(run, selection)] for key, selection in selections.items()}
+    leaders = _leaders(candidates, swept)
     cells: dict[Key, list[Run]] = {}
     left_out: dict[str, Run] = {}
-    for key, candidates in found.items():
-        fitting = [run for run in candidates if _agree(settings(run, swept), leaders[run.model])]
+    for key, members in candidates.items():
+        fitting = [run for run in members if _agree(settings(run, swept), leaders[run.model])]
         groups = configurations(fitting)
         lead = [group for group in groups if settings(group[0], swept) == leaders[group[0].model]]
         cells[key] = one_per_seed((lead or groups)[0]) if groups else []
-        left_out.update({run.id: run for run in candidates if run not in cells[key]})
+        left_out.update({run.id: run for run in members if run not in cells[key]})
     return Chosen(cells, list(left_out.values()))
 
 
 def configurations(runs: Iterable[Run], without: Iterable[str] = ()) -> list[list[Run]]:
-    """Runs grouped by all settings but the seed, the largest group first, the newest among equals."""
-    groups: dict[tuple[tuple[str, str], ...], list[Run]] = defaultdict(list)
+    """Return the runs grouped by all settings but the seed, the largest group first, the newest among equals."""
+    groups: dict[Variant, list[Run]] = defaultdict(list)
     skipped = set(without)
     for run in runs:
         groups[tuple(sorted({**settings(run, skipped), "model": run.model}.items()))].append(run)
@@ -117,9 +134,10 @@ def configurations(runs: Iterable[Run], without: Iterable[str] = ()) -> list[lis
 
 
 def settings(run: Run, without: Iterable[str] = ()) -> Settings:
-    """The parameters that can change a result of its model, less those named and what belongs to them (``name.x``).
+    """Return the parameters that can change a result of the run's model.
 
-    Runs of one model agree in ``model.x`` also where ``model`` is named.
+    Left out are the names in ``without`` and what belongs to them (``name.x``); runs of one model agree in ``model.x``
+    also if ``model`` is named.
     """
     skipped = tuple(without)
     inner = tuple(f"{name}." for name in skipped if name != "model")
@@ -130,35 +148,51 @@ def settings(run: Run, without: Iterable[str] = ()) -> Settings:
     }
 
 
+def loss_numbers(run: Run) -> Settings:
+    """Return the numbers that the run's loss has as direct parameters, such as ``loss.theta``.
+
+    No option's name tells them, so that labels do. Numbers of a sum's terms (``loss.weights.ssim``) are no direct ones.
+    """
+    direct = {k: v for k, v in settings(run).items() if k.startswith("loss.") and k.count(".") == 1}
+    return {k: v for k, v in direct.items() if _is_number(v)}
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
 def one_per_seed(runs: Sequence[Run]) -> list[Run]:
-    """The newest run of each seed, by seed."""
-    newest = {run.seed: run for run in sorted(runs, key=lambda run: (run.ended, run.id))}
-    return [newest[seed] for seed in sorted(newest, key=lambda seed: (len(seed), seed))]
+    """Return the newest run of each seed, by seed."""
+    by_seed = {run.seed: run for run in sorted(runs, key=lambda run: (run.ended, run.id))}
+    return [by_seed[seed] for seed in sorted(by_seed, key=lambda seed: (len(seed), seed))]
 
 
-def _leaders(found: Mapping[Key, Sequence[Run]], swept: set[str]) -> dict[str, Settings]:
-    """For each model the unswept settings that fill most cells, then have most runs, then the newest."""
-    cells: dict[tuple[str, tuple[tuple[str, str], ...]], set[Key]] = defaultdict(set)
-    count: Counter[tuple[str, tuple[tuple[str, str], ...]]] = Counter()
-    newest: dict[tuple[str, tuple[tuple[str, str], ...]], int] = defaultdict(int)
-    for key, runs in found.items():
+def _leaders(candidates: Mapping[Key, Sequence[Run]], swept: set[str]) -> dict[str, Settings]:
+    """Return each model's unswept settings that fill most cells, then have most runs, then the newest."""
+    cells: dict[tuple[str, Variant], set[Key]] = defaultdict(set)
+    count: Counter[tuple[str, Variant]] = Counter()
+    ended: dict[tuple[str, Variant], int] = defaultdict(int)
+    for key, runs in candidates.items():
         for run in runs:
             variant = (run.model, tuple(settings(run, swept).items()))
             cells[variant].add(key)
             count[variant] += 1
-            newest[variant] = max(newest[variant], run.ended)
-    ranked = sorted(cells, key=lambda variant: (len(cells[variant]), count[variant], newest[variant], variant[1]))
+            ended[variant] = max(ended[variant], run.ended)
+    ranked = sorted(cells, key=lambda variant: (len(cells[variant]), count[variant], ended[variant], variant[1]))
     return {model: dict(variant) for model, variant in ranked}
 
 
-def _agree(one: Settings, other: Settings) -> bool:
-    return all(_same(value, other[name]) for name, value in one.items() if name in other)
+def _agree(first: Settings, second: Settings) -> bool:
+    return all(_same(value, second[name]) for name, value in first.items() if name in second)
 
 
-def _same(have: str | None, want: str) -> bool:
-    if have is None or have == want:
-        return have is not None
+def _same(value: str | None, requested: str) -> bool:
+    if value is None or value == requested:
+        return value is not None
     try:
-        return float(have) == float(want)
+        return float(value) == float(requested)
     except ValueError:
         return False

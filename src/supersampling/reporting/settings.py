@@ -3,19 +3,23 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+
+import yaml
 
 from supersampling.errors import UserError
+from supersampling.resources import resources
 from supersampling.runs.store import Run
 
 UNTRAINED = ""
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True, order=True, kw_only=True)
 class Setting:
     """What runs of one comparison have in common: data set (fingerprint), its preset, scale, mip bias, and budget.
 
-    A method that is not trained has no budget (`UNTRAINED`) and joins the runs of every budget. What stands behind a
-    budget's first ``_`` names the method that it is cut for: ``laptop_nsrr`` is of ``laptop``.
+    A method that is not trained has no budget (`UNTRAINED`) and joins the runs of every budget. A budget that is cut for
+    one model counts as the one that it is cut from (`budget_family`).
     """
 
     dataset: str
@@ -27,11 +31,14 @@ class Setting:
 
     @classmethod
     def of(cls, run: Run) -> "Setting":
-        data, scenes, scale, bias = (
-            run.params.get(name, "unknown") for name in ("data", "data.scenes", "task.scale", "task.mip_bias")
+        return cls(
+            dataset=run.dataset,
+            data=run.params.get("data", "unknown"),
+            scenes=", ".join(sorted(run.params.get("data.scenes", "unknown").split(","))),
+            scale=run.params.get("task.scale", "unknown"),
+            mip_bias=run.params.get("task.mip_bias", "unknown"),
+            budget=budget_family(run.params["budget"]) if is_trained(run) else UNTRAINED,
         )
-        scenes = ", ".join(sorted(scenes.split(",")))
-        return cls(run.dataset, data, scenes, scale, bias, _family(run.params.get("budget", UNTRAINED)))
 
     def __str__(self) -> str:
         scales = " and ".join(f"{scale}×{scale}" for scale in self.scale.split(", "))
@@ -47,24 +54,44 @@ class Choice:
     pools: dict[Setting, list[Run]]
 
 
-def choose(runs: Sequence[Run], dataset: str | None, budget: str | None) -> Choice:
-    """The setting with the most runs, the newest among equals; ``dataset`` (a fingerprint's prefix) and ``budget`` narrow.
+def is_trained(run: Run) -> bool:
+    """Return whether a run's method was trained: only then does it log a budget."""
+    return "budget" in run.params
 
-    Without ``dataset`` other data sets of the same budget stay at hand for the rows that the chosen one cannot fill.
+
+@cache
+def budget_family(budget: str) -> str:
+    """Return the budget that a budget counts as in comparisons: itself, unless ``reports/budgets.yaml`` names another."""
+    text = (resources() / "reports" / "budgets.yaml").read_text(encoding="utf-8")
+    families: dict[str, list[str]] = yaml.safe_load(text)
+    return next((family for family, members in families.items() if budget in members), budget)
+
+
+def choose(runs: Sequence[Run], dataset: str | None, budget: str | None) -> Choice:
+    """Return the setting with the most runs, the newest among equals.
+
+    Without ``dataset`` other data sets of the same budget remain available for the rows that the chosen one cannot fill.
+
+    Args:
+        dataset: the beginning of a fingerprint; only its runs are considered.
+        budget: only its runs, and those of methods that are not trained, are considered.
+
+    Raises:
+        UserError: no data set or several begin so, or no run has the budget.
     """
     if dataset is not None:
         known = sorted({run.dataset for run in runs})
         hits = [name for name in known if name.startswith(dataset)]
         if len(hits) != 1:
-            problem = "names no data set" if not hits else "names several data sets"
-            raise UserError(f"dataset='{dataset}' {problem} of the experiment: choose one of {', '.join(known)}")
+            problem = "Several data sets begin" if hits else "No data set of the experiment begins"
+            raise UserError(f"{problem} with dataset={dataset}: choose one of {', '.join(known)}.")
         runs = [run for run in runs if run.dataset == hits[0]]
     if budget is not None:
-        budget = _family(budget)
+        budget = budget_family(budget)
         budgets = sorted({Setting.of(run).budget for run in runs} - {UNTRAINED})
         runs = [run for run in runs if Setting.of(run).budget in (budget, UNTRAINED)]
         if budget not in budgets:
-            raise UserError(f"budget='{budget}' has no finished run here: choose one of {', '.join(budgets)}")
+            raise UserError(f"No finished run has budget={budget}: choose one of {', '.join(budgets)}.")
     pools = _pools(runs)
     best = max(pools, key=lambda setting: (len(pools[setting]), newest(pools[setting]), setting))
 
@@ -76,23 +103,19 @@ def choose(runs: Sequence[Run], dataset: str | None, budget: str | None) -> Choi
 
 
 def _pools(runs: Sequence[Run]) -> dict[Setting, list[Run]]:
-    """Runs by setting; those without a budget join every budget of their data set."""
+    """Return the runs by setting; those without a budget join every budget of their data set."""
     pools: dict[Setting, list[Run]] = defaultdict(list)
     for run in runs:
         pools[Setting.of(run)].append(run)
     for setting in [setting for setting in pools if setting.budget == UNTRAINED]:
         trained = [s for s in pools if s.budget != UNTRAINED and replace(s, budget=UNTRAINED) == setting]
-        for other in trained:
-            pools[other].extend(pools[setting])
+        for target in trained:
+            pools[target].extend(pools[setting])
         if trained:
             del pools[setting]
     return dict(pools)
 
 
-def _family(budget: str) -> str:
-    return budget.partition("_")[0]
-
-
 def newest(runs: Sequence[Run]) -> int:
-    """When the last of them ended."""
+    """Return when the last of the runs ended."""
     return max(run.ended for run in runs)

@@ -1,46 +1,41 @@
-"""The table of epipolar images: a row of pixels of every frame, time downwards (NSRD, figure 6)."""
+"""Epipolar images: one row of pixels of every frame, time downwards (NSRD, figure 6)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
-from supersampling.reporting.figures.pictures import folder_of, magnify, positions, read, worst_window
-from supersampling.reporting.pages.overview import Method, short_labels
+from supersampling.reporting.figures.pictures import folders_by_label, magnify, positions, read_equal, worst_window
+from supersampling.reporting.methods import Method, short_labels
+from supersampling.reporting.pages.report import Report
+from supersampling.reporting.pages.section import Gallery, GalleryRow, Picture, Section
+from supersampling.reporting.pages.sheet import Text
 
 WIDTH = 64
+CAPTION = (
+    "The middle row of pixels in every frame of a clip, time downwards; of its columns those where the methods’ summed "
+    "absolute error is largest. A stable picture has clean lines like the target’s; flicker is stripes across, ghosting "
+    "a smear."
+)
 
 
-@dataclass(frozen=True)
-class EpipolarRow:
-    """A scene, and the chosen columns of every method's image and of the target's."""
-
-    label: str
-    images: list[str]
+def section(report: Report) -> Section | None:
+    """Return the epipolar images of the pictured methods; None without any."""
+    gallery = epipolar_gallery(report.pictured, report.material.pictures("epipolar"), report.folder)
+    return Section(title="Stability over time", galleries=[gallery]) if gallery.rows else None
 
 
-@dataclass(frozen=True)
-class EpipolarTable:
-    """Columns are the methods and the target."""
+def epipolar_gallery(methods: Sequence[Method], folders: Mapping[str, Path], out: Path) -> Gallery:
+    """Write the `WIDTH` columns of each scene where the methods err most as PNGs to ``out``.
 
-    columns: list[str]
-    rows: list[EpipolarRow]
-
-
-def epipolar_table(found: Sequence[Method], folders: Mapping[str, Path], out: Path) -> EpipolarTable:
-    """Write, of each scene, the `WIDTH` columns where the methods err most as PNGs to ``out``.
-
-    ``folders`` are the downloaded folders by run id. A scene that one of the methods lacks is left out.
+    ``folders`` are the downloaded folders by run id. Columns are the methods and the target. A scene that one of the
+    methods lacks is left out.
     """
-    present = folder_of(found, folders)
-    rows: list[EpipolarRow] = []
+    present = folders_by_label(methods, folders)
+    rows: list[GalleryRow] = []
     for number, scene in positions(list(present.values())):
         stem = f"{number}_{scene}"
         first = next(iter(present.values()))
-        paths = [*(folder / f"{stem}.png" for folder in present.values()), first / f"{stem}_target.png"]
-        if not all(path.is_file() for path in paths):
-            continue
-        images = [read(path) for path in paths]
-        if len({image.shape for image in images}) > 1:
+        images = read_equal([*(folder / f"{stem}.png" for folder in present.values()), first / f"{stem}_target.png"])
+        if images is None:
             continue
         target = images[-1]
         width = min(WIDTH, target.shape[1])
@@ -48,5 +43,5 @@ def epipolar_table(found: Sequence[Method], folders: Mapping[str, Path], out: Pa
         names = [f"epipolar_{stem}_{i}.png" for i in range(len(images))]
         for name, image in zip(names, images):
             magnify(image[:, x : x + width]).save(out / name)
-        rows.append(EpipolarRow(scene, names))
-    return EpipolarTable([*short_labels(list(present)), "target"], rows)
+        rows.append(GalleryRow(scene, [[Picture(name) for name in names]]))
+    return Gallery([*short_labels(list(present)), "target"], rows, [Text(CAPTION)])

@@ -1,4 +1,4 @@
-"""What the papers conclude, judged by the paired statistics on our runs."""
+"""The papers' conclusions, judged by the paired statistics on our runs."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ VERDICTS: tuple[Verdict, ...] = ("reproduced", "contradicted", "unresolved", "no
 
 @dataclass(frozen=True)
 class Chosen:
-    """A claim's runs, by the label of what they stand for (``a``, ``b``, or a step); none where nothing was run."""
+    """A claim's runs by side (``a``, ``b``) or step; an empty list if nothing was run."""
 
     claim: Claim
     setting: Setting | None
@@ -32,17 +32,22 @@ class Chosen:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a claim about several: the later less the earlier."""
+    """One step of a claim about several: the later minus the earlier."""
 
     label: str
     difference: Estimate | None
     verdict: Verdict
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Judged:
-    """A claim and what our runs say: the effect ``a - b`` (of steps: last less first), on which scenes it holds, and why
-    it is unresolved or not run."""
+    """A claim and the verdict of our runs.
+
+    Attributes:
+        effect: ``a - b`` (for steps: last minus first).
+        scenes: whether it holds, by scene.
+        reason: why it is unresolved or not run.
+    """
 
     chosen: Chosen
     verdict: Verdict
@@ -57,10 +62,10 @@ class Judged:
 
     @property
     def holds(self) -> str:
-        """``holds on 7 of 9; not on foundry, louvres``."""
+        """``holds on 7 of 9 scenes; not on foundry, louvres``."""
         if not self.scenes:
             return ""
-        against = [scene for scene, held in self.scenes.items() if not held]
+        against = [scene for scene, holds in self.scenes.items() if not holds]
         if len(against) == len(self.scenes):
             return f"holds on none of {len(self.scenes)} scenes"
         count = f"holds on {len(self.scenes) - len(against)} of {len(self.scenes)} scenes"
@@ -68,9 +73,9 @@ class Judged:
 
 
 def choose_claim(claim: Claim, choice: Choice) -> Chosen:
-    """The runs that a claim compares: of one setting, agreeing in all that the claim does not name.
+    """Return the runs that a claim compares: of one setting, agreeing in all that the claim does not name.
 
-    Of the settings that have any of them, the first that has most.
+    Of several settings the first that has most of them.
     """
     selections = claim.selections
     best = Chosen(claim, None, {label: [] for label in selections})
@@ -84,31 +89,36 @@ def choose_claim(claim: Claim, choice: Choice) -> Chosen:
 
 
 def judge(chosen: Chosen, tables: ClipTables) -> Judged:
-    """The verdict: *reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin),
-    *contradicted* if wholly on the other, *unresolved* otherwise, *not run* where runs are missing.
+    """Return a claim's verdict.
 
-    A claim about steps is reproduced if every step is, and contradicted if any is.
+    *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin), *contradicted*
+    if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is reproduced if every
+    step is, and contradicted if any is.
     """
     claim, labels = chosen.claim, list(chosen.runs)
     pairs = list(pairwise(labels))
-    found = [
-        _difference(chosen.runs[later], chosen.runs[earlier], claim, tables, claim.times) for earlier, later in pairs
-    ]
-    steps = [Step(f"{earlier} → {later}", value, side(claim, value)) for (earlier, later), value in zip(pairs, found)]
+    steps = []
+    for earlier, later in pairs:
+        value = _difference(chosen.runs[later], chosen.runs[earlier], claim, tables, claim.times)
+        steps.append(Step(f"{earlier} → {later}", value, side(claim, value)))
     effect = _difference(chosen.runs[labels[-1]], chosen.runs[labels[0]], claim, tables)
     verdict = _together([step.verdict for step in steps])
     reason = _reason(chosen, steps, verdict)
-    if any(_same_runs(chosen.runs[one], chosen.runs[other]) for one, other in pairs):
-        verdict, reason = (
-            "unresolved",
-            "both sides are the same runs: what the claim names is not in their parameters",
-        )
-    scenes = _scenes(chosen, tables) if not chosen.missing else {}
-    return Judged(chosen, verdict, effect, steps if claim.stepwise else [], scenes, reason)
+    if any(_same_runs(chosen.runs[earlier], chosen.runs[later]) for earlier, later in pairs):
+        verdict = "unresolved"
+        reason = "both sides are the same runs: what the claim names is not in their parameters"
+    return Judged(
+        chosen=chosen,
+        verdict=verdict,
+        effect=effect,
+        steps=steps if claim.stepwise else [],
+        scenes=_scenes(chosen, tables) if not chosen.missing else {},
+        reason=reason,
+    )
 
 
 def side(claim: Claim, value: Estimate | None) -> Verdict:
-    """On which side of the claim the interval of one difference lies; a logged number counts as its own interval."""
+    """Return on which side of the claim the interval of a difference lies; a logged number counts as its own interval."""
     if value is None:
         return "not run"
     exact = claim.metric.startswith(RUN_METRIC)
@@ -127,27 +137,27 @@ def side(claim: Claim, value: Estimate | None) -> Verdict:
 
 
 def _together(verdicts: Sequence[Verdict]) -> Verdict:
-    """The first of these that any step has; reproduced if every step is."""
+    """Return the first of contradicted, not run and unresolved that any step has; reproduced if every step is."""
     order: tuple[Verdict, ...] = ("contradicted", "not run", "unresolved")
     return next((verdict for verdict in order if verdict in verdicts), "reproduced")
 
 
 def _difference(
-    ours: Sequence[Run], theirs: Sequence[Run], claim: Claim, tables: ClipTables, times: float = 1.0
+    a: Sequence[Run], b: Sequence[Run], claim: Claim, tables: ClipTables, times: float = 1.0
 ) -> Estimate | None:
-    """Ours, of a logged number ``times`` as much, less theirs."""
-    if not ours or not theirs:
+    """Return ``a - b``, for a logged number ``times * a - b``; None without runs or values."""
+    if not a or not b:
         return None
     if not claim.metric.startswith(RUN_METRIC):
-        return difference(ours, theirs, claim.metric, tables)
-    one, other = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (ours, theirs))
-    if one is None or other is None:
+        return difference(a, b, claim.metric, tables)
+    first, second = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (a, b))
+    if first is None or second is None:
         return None
-    return Estimate(times * one.mean - other.mean, math.nan, math.nan, 0)
+    return Estimate(times * first.mean - second.mean, math.nan, math.nan, 0)
 
 
 def _scenes(chosen: Chosen, tables: ClipTables) -> dict[str, bool]:
-    """For each scene whether its mean differences have the claimed sign (of kind ``same``: lie within the margin)."""
+    """Return for each scene whether its mean differences have the claimed sign (kind ``same``: lie within the margin)."""
     claim, labels = chosen.claim, list(chosen.runs)
     if claim.metric.startswith(RUN_METRIC):
         return {}
@@ -165,44 +175,41 @@ def _claimed(claim: Claim, value: float) -> bool:
     return value < 0 if claim.kind in ("less", "falls") else value > 0
 
 
-def _same_runs(one: Sequence[Run], other: Sequence[Run]) -> bool:
-    return bool(one) and {run.id for run in one} == {run.id for run in other}
+def _same_runs(first: Sequence[Run], second: Sequence[Run]) -> bool:
+    return bool(first) and {run.id for run in first} == {run.id for run in second}
 
 
 def _reason(chosen: Chosen, steps: Sequence[Step], verdict: Verdict) -> str:
-    """Why there is no clear verdict; for a contradiction by steps, which."""
+    """Return why there is no clear verdict; for a contradiction by steps, at which ones."""
     claim = chosen.claim
     if verdict == "not run":
         if chosen.missing:
             return _missing(chosen)
         return f"the runs are there, but not all logged {claim.metric.removeprefix(RUN_METRIC)}"
-    of_steps = [step.label for step in steps if step.verdict == verdict] if claim.stepwise else []
-    named = f"at {', '.join(of_steps)}" if of_steps and verdict != "reproduced" else ""
+    labels = [step.label for step in steps if step.verdict == verdict] if claim.stepwise else []
+    place = f"at {', '.join(labels)}" if labels and verdict != "reproduced" else ""
     if verdict != "unresolved":
-        return named
+        return place
     values = [step.difference for step in steps if step.verdict == verdict and step.difference is not None]
     if any(math.isnan(value.low) for value in values):
-        why = "no interval: a single clip, or an infinite value"
+        reason = "no interval: a single clip, or an infinite value"
     elif claim.margin is not None:
-        why = f"the interval crosses ±{claim.margin:g}"
+        reason = f"the interval crosses ±{claim.margin:g}"
     else:
-        why = "the interval holds 0"
-    return f"{why} {named}".strip()
+        reason = "the interval holds 0"
+    return f"{reason} {place}".strip()
 
 
 def _missing(chosen: Chosen) -> str:
-    """Which runs are missing, by what tells them from the claim's others, or whole where none is there."""
+    """Return which runs are missing: by their own selection, and by the common one as well if no run exists."""
     claim = chosen.claim
-    own = (
-        {step.label: step.select for step in claim.steps}
-        if claim.stepwise
-        else {"a": claim.a or {}, "b": claim.b or {}}
-    )
-    lacking = [text(own[label]) for label in own if label in chosen.missing]
-    whole = f" of {text(claim.base)}" if len(lacking) == len(own) and claim.base else ""
-    return f"no run{whole} with {', nor with '.join(lacking)}"
+    steps = {step.label: step.select for step in claim.steps}
+    selections = steps if claim.stepwise else {"a": claim.a or {}, "b": claim.b or {}}
+    missing = [text(selection) for label, selection in selections.items() if label in chosen.missing]
+    base = f" of {text(claim.base)}" if len(missing) == len(selections) and claim.base else ""
+    return f"no run{base} with {', nor with '.join(missing)}"
 
 
 def text(selection: Selection) -> str:
-    """A selection as one writes it on a command line."""
+    """Return a selection as it is written on a command line."""
     return " ".join(f"{name}={value}" for name, value in selection.items()) or "any parameters"

@@ -1,4 +1,4 @@
-"""A paper's own numbers and claims: the checked contents of ``reports/published/<paper>.yaml``."""
+"""Reading and checking ``reports/published/<paper>.yaml``: a paper's own numbers and claims."""
 
 import re
 import types
@@ -12,29 +12,32 @@ import yaml
 from supersampling.errors import UserError
 from supersampling.reporting.papers.schema import BY_NUMBER, Claim, Paper, PublishedFigure, PublishedTable, Selection
 
-NUMBER = re.compile(r"[A-Z]?\d+[a-z]?")  # 2, or S2 of a supplement
-LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's is ten times faster
+# 2, or S2 of a supplement.
+NUMBER = re.compile(r"[A-Z]?\d+[a-z]?")
+# The loader of libyaml is ten times faster.
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+KINDS = {str: "a text", int: "a whole number", float: "a number"}
 T = TypeVar("T")
 
 
 def load_papers(folder: Path, name: str | None) -> list[Paper]:
-    """The paper ``name``, or every paper of the folder by name."""
+    """Return the paper ``name``, or every paper of the folder, by name."""
     if name is not None:
         return [load_paper(folder / f"{name}.yaml")]
     paths = sorted(folder.glob("*.yaml"))
     if not paths:
-        raise UserError(f"there are no published numbers in '{folder}': set published to a folder that has them")
+        raise UserError(f"There are no published numbers in {folder}: set published to a folder that has them.")
     return [load_paper(path) for path in paths]
 
 
 def load_paper(path: Path) -> Paper:
-    """Read and check ``path``; whatever is missing, unknown or of the wrong type raises `UserError` with its place."""
+    """Read and check a file; raise `UserError` with the place of a missing, unknown or mistyped entry."""
     if not path.is_file():
-        raise UserError(f"there are no published numbers at '{path}': choose a paper that has a file there")
+        raise UserError(f"There are no published numbers at {path}: choose a paper that has a file there.")
     try:
         raw = yaml.load(path.read_text(encoding="utf-8"), LOADER)
     except yaml.YAMLError as error:
-        raise UserError(f"'{path}' is not valid YAML: {error}") from error
+        raise UserError(f"Invalid YAML in {path}: correct it ({error}).") from error
     paper = _build(Paper, raw, str(path))
     _check_places(paper, str(path))
     for table in paper.tables:
@@ -42,7 +45,9 @@ def load_paper(path: Path) -> Paper:
     for fact in paper.facts:
         for row in fact.rows:
             if len(row) != len(fact.headers):
-                raise UserError(f"{path}: facts {fact.number}: row {row} must have a cell for each of {fact.headers}")
+                raise UserError(
+                    f"{path}: facts {fact.number}: Invalid row {row}: use a cell for each of {fact.headers}."
+                )
     for figure in paper.figures:
         _check_figure(figure, f"{path}: figure {figure.number}")
     for claim in paper.claims:
@@ -51,28 +56,26 @@ def load_paper(path: Path) -> Paper:
 
 
 def name_of(number: str, kind: str = "Table") -> str:
-    """``Table 2``; a remark of the text, which has no number, goes by its own name."""
+    """Return ``Table 2``; the own name of a remark of the text, which has no number."""
     return f"{kind} {number}" if NUMBER.fullmatch(number) else number[:1].upper() + number[1:]
 
 
 def stem_of(number: str) -> str:
-    """What stands for a table's or figure's number in file names."""
+    """Return a table's or figure's number as it stands in file names."""
     return re.sub(r"\W+", "_", number)
 
 
 def sweep_of(table: PublishedTable, paper: Paper) -> str | None:
-    """The name in ``sweeps/`` of what runs a table's rows."""
+    """Return the name of the sweep in ``sweeps/`` that runs a table's rows, None if there is none."""
     return f"{paper.paper}_table{table.number}" if table.file == BY_NUMBER else table.file
 
 
 def _check_places(paper: Paper, path: str) -> None:
-    """Numbers and ids occur once, pages count from 1."""
-    named: dict[str, Sequence[Any]] = {
-        "table numbers": paper.tables, "facts' numbers": paper.facts, "figure numbers": paper.figures,
-    }  # fmt: skip
-    for what, items in named.items():
-        _check_unique((item.number for item in items), f"{path}: {what}")
-    _check_unique((claim.id for claim in paper.claims), f"{path}: claims' ids")
+    """Raise `UserError` unless numbers and ids are unique and pages are at least 0."""
+    numbered: dict[str, Sequence[Any]] = {"table": paper.tables, "facts": paper.facts, "figure": paper.figures}
+    for kind, items in numbered.items():
+        _check_unique((item.number for item in items), f"{path}: {kind} numbers")
+    _check_unique((claim.id for claim in paper.claims), f"{path}: claim ids")
     places = [
         (item.number, item.page)
         for items in (paper.tables, paper.facts, paper.pictures, paper.figures)
@@ -80,123 +83,124 @@ def _check_places(paper: Paper, path: str) -> None:
     ]
     for name, page in [*places, *((claim.id, claim.page) for claim in paper.claims)]:
         if page < 0:
-            raise UserError(f"{path}: the page of '{name}' must be 1 or more, 0 if unknown, got {page}")
+            raise UserError(f"{path}: {name}: Invalid page={page}: use at least 1, or 0 if it is unknown.")
 
 
-def _check_unique(values: Iterable[str], where: str) -> None:
-    found = list(values)
-    twice = sorted({value for value in found if found.count(value) > 1})
-    if twice:
-        raise UserError(f"{where} must be unique, got {', '.join(twice)} more than once")
+def _check_unique(values: Iterable[str], place: str) -> None:
+    items = list(values)
+    repeated = sorted({value for value in items if items.count(value) > 1})
+    if repeated:
+        raise UserError(f"{place}: {', '.join(repeated)} more than once: use each only once.")
 
 
-def _check_table(table: PublishedTable, paper: Paper, where: str) -> None:
+def _check_table(table: PublishedTable, paper: Paper, place: str) -> None:
     for column in table.columns:
         unknown = [name for name in column.metrics if name not in paper.metrics]
         if unknown or not column.metrics:
             raise UserError(
-                f"{where}: column '{column.label}' has metrics {column.metrics}, known are {list(paper.metrics)}"
+                f"{place}: Invalid metrics={column.metrics} of column {column.label}: choose from {list(paper.metrics)}."
             )
     expected = [len(column.metrics) for column in table.columns]
     if table.compare == "row" and len(set(map(tuple, (column.metrics for column in table.columns)))) != 1:
-        raise UserError(f"{where}: columns compared along a row must have the same metrics")
+        raise UserError(f"{place}: Columns that are compared along a row differ in their metrics: use the same.")
     for row in table.rows:
         if [len(values) for values in row.values] != expected:
-            raise UserError(f"{where}: row {row.labels} must hold {expected} numbers by column, got {row.values}")
+            raise UserError(
+                f"{place}: Invalid values={row.values} of row {row.labels}: use {expected} numbers by column."
+            )
         if len(row.labels) != len(table.headers):
-            raise UserError(f"{where}: row {row.labels} must have one label for each of {table.headers}")
+            raise UserError(f"{place}: Invalid labels={row.labels} of a row: use one for each of {table.headers}.")
         if not table.lost and any(value is None for values in row.values for value in values):
-            raise UserError(f"{where}: row {row.labels} has a null, so `lost` must say what is missing and why")
+            raise UserError(f"{place}: Row {row.labels} has a null: say in lost what is missing and why.")
 
 
-def _check_figure(figure: PublishedFigure, where: str) -> None:
+def _check_figure(figure: PublishedFigure, place: str) -> None:
     if figure.kind in ("curve", "front") and figure.x is None:
-        raise UserError(f"{where}: a {figure.kind} needs x, a run parameter or metric, or 'frame' for a curve")
-    _check_unique((series.label for series in figure.series), f"{where}: series' labels")
+        raise UserError(f"{place}: Missing x of a {figure.kind}: use a run parameter or metric, or frame for a curve.")
+    _check_unique((series.label for series in figure.series), f"{place}: labels of series")
 
 
-def _check_claim(claim: Claim, paper: Paper, where: str) -> None:
+def _check_claim(claim: Claim, paper: Paper, place: str) -> None:
     if not claim.id.startswith(f"{paper.paper}-"):
-        raise UserError(f"{where}: its id must begin with '{paper.paper}-'")
+        raise UserError(f"{place}: Invalid id={claim.id}: begin it with {paper.paper}-.")
     if claim.stepwise:
         if len(claim.steps) < 2:
-            raise UserError(f"{where}: kind '{claim.kind}' needs at least two steps")
+            raise UserError(f"{place}: Too few steps of kind={claim.kind}: use at least two.")
         if claim.a not in (None, claim.steps[-1].select) or claim.b not in (None, claim.steps[0].select):
-            raise UserError(f"{where}: a must be the last step and b the first, or both left away")
-        _check_unique((step.label for step in claim.steps), f"{where}: steps' labels")
+            raise UserError(f"{place}: Invalid a or b: use the last step as a and the first as b, or leave both out.")
+        _check_unique((step.label for step in claim.steps), f"{place}: labels of steps")
     elif claim.a is None or claim.b is None or claim.steps:
-        raise UserError(f"{where}: kind '{claim.kind}' needs a and b, and no steps")
+        raise UserError(f"{place}: Invalid sides of kind={claim.kind}: use a and b, and no steps.")
     elif claim.a == claim.b:
-        raise UserError(f"{where}: a and b are the same selection")
+        raise UserError(f"{place}: The sides a and b are the same selection: use different ones.")
     if (claim.kind == "same") != (claim.margin is not None) or (claim.margin is not None and claim.margin <= 0):
         raise UserError(
-            f"{where}: kind 'same' needs a margin above 0, others have none, got margin {claim.margin} of '{claim.kind}'"
+            f"{place}: Invalid margin={claim.margin} of kind={claim.kind}: use a positive one for same, none for others."
         )
-
     if claim.times != 1.0 and not (claim.times > 1.0 and claim.kind == "less" and claim.metric.startswith("run:")):
         raise UserError(
-            f"{where}: times is a factor above 1 of a logged number that is less, got {claim.times:g} of '{claim.kind}'"
+            f"{place}: Invalid times={claim.times:g} of kind={claim.kind}: use a factor above 1, of kind less and a run: metric."
         )
 
 
-def _build(cls: type[T], raw: Any, where: str) -> T:
-    """A dataclass from a mapping, recursively."""
+def _build(cls: type[T], raw: Any, place: str) -> T:
+    """Return a dataclass of a mapping, recursively."""
     known = {f.name: f for f in fields(cls)}  # type: ignore[arg-type]
     if not isinstance(raw, dict):
-        raise UserError(f"{where}: expected a mapping with {list(known)}, got {raw!r}")
+        raise UserError(f"{place}: Invalid value {raw!r}: use a mapping with {list(known)}.")
     unknown = sorted(set(map(str, raw)) - set(known))
     if unknown:
-        raise UserError(f"{where}: unknown keys {unknown}, known are {sorted(known)}")
+        raise UserError(f"{place}: Unknown keys {unknown}: choose from {sorted(known)}.")
     optional = {name for name, f in known.items() if f.default is not MISSING or f.default_factory is not MISSING}
     missing = sorted(set(known) - optional - set(raw))
     if missing:
-        raise UserError(f"{where}: missing keys {missing}")
+        raise UserError(f"{place}: Missing keys {missing}: add them.")
     values = {}
     for name, value in raw.items():
         if value == [] and name in optional:
             values[name] = value
         else:
-            values[name] = _convert(known[name].type, value, f"{where}: {name}")
+            values[name] = _convert(known[name].type, value, f"{place}: {name}")
     return cls(**values)
 
 
-def _convert(kind: Any, value: Any, where: str) -> Any:
-    """``value`` checked against an annotation of the schema's dataclasses."""
+def _convert(kind: Any, value: Any, place: str) -> Any:
+    """Return a value, checked against an annotation of the schema's dataclasses."""
     origin, arguments = get_origin(kind), get_args(kind)
     if kind == Selection:
-        return _selection(value, where)
+        return _selection(value, place)
     if origin in (Union, types.UnionType):
         (inner,) = [argument for argument in arguments if argument is not type(None)]
-        return None if value is None else _convert(inner, value, where)
+        return None if value is None else _convert(inner, value, place)
     if origin is Literal:
         if value not in arguments:
-            raise UserError(f"{where}: expected one of {list(arguments)}, got {value!r}")
+            raise UserError(f"{place}: Invalid value {value!r}: choose one of {list(arguments)}.")
         return value
     if origin is list:
         if not isinstance(value, list) or not value:
-            raise UserError(f"{where}: expected a list that is not empty, got {value!r}")
-        return [_convert(arguments[0], item, f"{where}{_place(item, i)}") for i, item in enumerate(value)]
+            raise UserError(f"{place}: Invalid value {value!r}: use a list that is not empty.")
+        return [_convert(arguments[0], item, f"{place}{_place(item, i)}") for i, item in enumerate(value)]
     if origin is dict:
         if not isinstance(value, dict) or not value:
-            raise UserError(f"{where}: expected a mapping that is not empty, got {value!r}")
-        return {str(key): _convert(arguments[1], item, f"{where}.{key}") for key, item in value.items()}
+            raise UserError(f"{place}: Invalid value {value!r}: use a mapping that is not empty.")
+        return {str(key): _convert(arguments[1], item, f"{place}.{key}") for key, item in value.items()}
     if hasattr(kind, "__dataclass_fields__"):
-        return _build(kind, value, where)
+        return _build(kind, value, place)
     if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
     if not isinstance(value, kind) or isinstance(value, bool):
-        quoted = f': write it as "{value}"' if kind is str and not isinstance(value, list | dict) else ""
-        raise UserError(f"{where}: expected {kind.__name__}, got {value!r}{quoted}")
+        quoted = f', written as "{value}"' if kind is str and not isinstance(value, list | dict) else ""
+        raise UserError(f"{place}: Invalid value {value!r}: use {KINDS[kind]}{quoted}.")
     return value
 
 
 def _place(item: Any, index: int) -> str:
-    """Where in a list: its index, and its number or id if it has one."""
+    """Return an item's index in a list, with its number, id or label if it has one."""
     name = (item.get("number") or item.get("id") or item.get("label")) if isinstance(item, dict) else None
     return f"[{index}]" if name is None else f"[{index}, {name}]"
 
 
-def _selection(value: Any, where: str) -> dict[str, str]:
+def _selection(value: Any, place: str) -> dict[str, str]:
     if not isinstance(value, dict) or not all(isinstance(v, str | int | float) for v in value.values()):
-        raise UserError(f"{where}: expected run parameters and their values, got {value!r}")
+        raise UserError(f"{place}: Invalid value {value!r}: use run parameters and their values.")
     return {str(key): str(item) for key, item in value.items()}

@@ -1,7 +1,7 @@
-"""What ``reports/published/<paper>.yaml`` holds: a paper's numbers, words, pictures, figures and claims.
+"""The contents of ``reports/published/<paper>.yaml``: a paper's numbers, words, pictures, figures and claims.
 
 A *selection* is a mapping of run parameters to the values that they must have. Field names are the file's keys.
-``page`` is 0 where the paper's text has no page marks.
+``page`` is 0 if the paper's text has no page marks.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ RUN_METRIC = "run:"
 BY_NUMBER = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Metric:
     """A printed quantity; ``ours`` names the column of our clip tables (or the run's metric) that holds it, times ``factor``.
 
@@ -30,7 +30,7 @@ class Metric:
 
 @dataclass(frozen=True)
 class Column:
-    """A column; ``select`` is ``None`` for a method that we lack."""
+    """A column; ``select`` is ``None`` for a method that this project lacks."""
 
     label: str
     select: Selection | None
@@ -39,9 +39,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """A row; ``values[c][m]`` is the published number of column ``c``'s ``m``-th metric, ``None`` where it is lost or empty.
+    """A row; ``values[c][m]`` is the published number of column ``c``'s ``m``-th metric, ``None`` if it is lost or empty.
 
-    ``select`` is ``None`` for a method that we lack.
+    ``select`` is ``None`` for a method that this project lacks.
     """
 
     labels: list[str]
@@ -51,7 +51,7 @@ class Row:
 
 @dataclass(frozen=True, kw_only=True)
 class Placed:
-    """What stands in a paper under a number and a title."""
+    """An item of a paper with a number and a title."""
 
     number: str
     section: str
@@ -61,17 +61,19 @@ class Placed:
 
     @property
     def caption(self) -> str:
-        """``Title (Section 3.2, p. 5 ff.)``, without the page where it is not known."""
+        """``Title (Section 3.2, p. 5 ff.)``, without the page if it is not known."""
         page = f", p. {self.page} ff." if self.page else ""
         return f"{self.title.rstrip('.')} (Section {self.section}{page})"
 
 
 @dataclass(frozen=True, kw_only=True)
 class PublishedTable(Placed):
-    """One table of a paper, and how to find our runs for its cells.
+    """One table of a paper, and the selections of our runs for its cells.
 
-    ``source`` says whether ours are means of clip scores or metrics that the runs logged themselves; ``file`` is the sweep
-    that runs the rows (`BY_NUMBER`: ``<paper>_table<number>``); ``lost`` says which numbers the text lacks.
+    Attributes:
+        source: whether our numbers are means of clip scores or metrics that the runs logged themselves.
+        file: the sweep that runs the rows (`BY_NUMBER`: ``<paper>_table<number>``).
+        lost: which numbers the text lacks.
     """
 
     compare: Literal["row", "column"]
@@ -87,7 +89,7 @@ class PublishedTable(Placed):
 
 @dataclass(frozen=True, kw_only=True)
 class FactTable(Placed):
-    """A table of words or of facts about data, which nothing here competes with."""
+    """A table of words or of facts about data, without numbers to compare with ours."""
 
     headers: list[str]
     rows: list[list[str]]
@@ -123,10 +125,12 @@ class PublishedFigure(Placed):
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
-    """What a paper concludes, as a statement about the paired difference ``a - b``, or about every step of a series.
+    """A conclusion of a paper, as a statement about the paired difference ``a - b``, or about every step of a series.
 
-    ``metric`` is a column of the clip tables, or a metric that runs logged with ``run:`` before it. ``published`` is the
-    paper's own difference (of steps: last less first). With ``times``, ``a`` is claimed to be less by that factor.
+    Attributes:
+        metric: a column of the clip tables, or, with ``run:`` before it, a metric that runs logged.
+        times: ``a`` is claimed to be less by this factor.
+        published: the paper's own difference (for steps: last minus first).
     """
 
     id: str
@@ -152,13 +156,13 @@ class Claim:
 
     @property
     def selections(self) -> dict[str, Selection]:
-        """What is compared, in order, by its label: the steps, or ``b`` before ``a``."""
+        """The compared selections by label, in order: the steps, or ``b`` before ``a``."""
         if self.stepwise:
             return {step.label: {**self.base, **step.select} for step in self.steps}
         return {"b": {**self.base, **(self.b or {})}, "a": {**self.base, **(self.a or {})}}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Paper:
     """A paper's contents, each list in its own order."""
 
@@ -176,5 +180,10 @@ class Paper:
 
     @property
     def of(self) -> str:
-        """``of Xiao et al.``, or ``of the thesis`` where `short` is no name."""
+        """``of Xiao et al.``, or ``of the thesis`` if `short` is no name."""
         return f"of the {self.short}" if self.short[:1].islower() else f"of {self.short}"
+
+
+def full_stop(sentence: str) -> str:
+    """Return the sentence with a full stop unless it already ends in one, or in an exclamation or question mark."""
+    return sentence if sentence.endswith((".", "!", "?")) else f"{sentence}."

@@ -1,4 +1,4 @@
-"""A paper's table with our numbers in its cells: which runs, their values, and the best of each comparison."""
+"""A paper's table with our numbers in its cells: the runs, their values, and the best of each comparison."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ Place = tuple[int, int]
 
 @dataclass(frozen=True)
 class TableRuns:
-    """The runs of a table's cells ``(row, column)``, each row's setting, and the runs that matched but were left out."""
+    """The runs of a table's cells ``(row, column)``, each row's setting, and the runs that match but are left out."""
 
     table: PublishedTable
     settings: dict[int, Setting]
@@ -27,11 +27,13 @@ class TableRuns:
     left_out: list[Run]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Filled:
     """A published table's cells ``(row, column)`` that our runs fill, and each row's setting.
 
-    ``gaps`` holds, by the name of a comparison, how far the best PSNR leads the second, paired over clips.
+    Attributes:
+        left_out: runs that match a cell but differ in other settings.
+        gaps: how far the best PSNR leads the second, paired over clips, by the name of a comparison.
     """
 
     table: PublishedTable
@@ -42,7 +44,7 @@ class Filled:
     gaps: dict[str, Estimate]
 
     def state(self, row: int, column: int, metric: Metric) -> str:
-        """Why a cell has no number of ours."""
+        """Return why a cell has no number of ours."""
         if self.table.rows[row].select is None or self.table.columns[column].select is None:
             return NOT_AVAILABLE
         if metric.ours is None:
@@ -51,51 +53,58 @@ class Filled:
 
 
 def choose_table(table: PublishedTable, choice: Choice) -> TableRuns:
-    """Find our runs for each cell. Cells that are compared (along a row or a column) share one setting."""
-    found = TableRuns(table, {}, {}, [])
+    """Return our runs for each cell; cells that are compared (along a row or a column) share one setting."""
+    chosen = TableRuns(table, {}, {}, [])
     for group in _groups(table):
         selections = _selections(table, group)
         pools = pools_for(choice, selections.values(), table.prefer or {})
         if not pools:
             continue
         setting, runs = pools[0]
-        chosen = choose_runs(runs, selections)
-        found.settings.update(dict.fromkeys(group, setting))
-        found.cells.update({place: runs for place, runs in chosen.cells.items() if runs})
-        found.left_out.extend(chosen.left_out)
-    return found
+        matches = choose_runs(runs, selections)
+        chosen.settings.update(dict.fromkeys(group, setting))
+        chosen.cells.update({place: members for place, members in matches.cells.items() if members})
+        chosen.left_out.extend(matches.left_out)
+    return chosen
 
 
 def fill(chosen: TableRuns, paper: Paper, tables: ClipTables) -> Filled:
-    """The chosen runs' values, in the table's unit."""
+    """Return the table with the chosen runs' values, in the table's unit."""
     table = chosen.table
-    filled = Filled(table, chosen.settings, chosen.cells, {}, chosen.left_out, {})
+    values: dict[tuple[int, int, str], Estimate] = {}
     for (row, column), runs in chosen.cells.items():
         for name in table.columns[column].metrics:
             metric = paper.metrics[name]
             if metric.ours is None:
                 continue
-            of_run = table.source == "run"
-            value = logged(runs, metric.ours) if of_run else estimate(runs, metric.ours, tables)
+            value = logged(runs, metric.ours) if table.source == "run" else estimate(runs, metric.ours, tables)
             if value is not None and not math.isnan(value.mean):
-                filled.values[row, column, name] = scaled(value, metric.factor)
+                values[row, column, name] = scaled(value, metric.factor)
+    gaps: dict[str, Estimate] = {}
     if any(paper.metrics[name].ours == "psnr" for column in table.columns for name in column.metrics):
         for group in _groups(table):
             cells = [runs for (row, _), runs in chosen.cells.items() if row in group]
             gap = _gap(cells, tables)
             if gap is not None:
-                filled.gaps["/".join(table.rows[group[0]].labels) if table.compare == "row" else "PSNR"] = gap
-    return filled
+                gaps["/".join(table.rows[group[0]].labels) if table.compare == "row" else "PSNR"] = gap
+    return Filled(
+        table=table,
+        settings=chosen.settings,
+        runs=chosen.cells,
+        values=values,
+        left_out=chosen.left_out,
+        gaps=gaps,
+    )
 
 
 def _groups(table: PublishedTable) -> list[list[int]]:
-    """The rows that are compared with each other."""
+    """Return the rows that are compared with each other."""
     rows = range(len(table.rows))
     return [[row] for row in rows] if table.compare == "row" else [list(rows)]
 
 
 def _gap(cells: Sequence[list[Run]], tables: ClipTables) -> Estimate | None:
-    """The lead of the best over the second mean PSNR among different runs."""
+    """Return the lead of the best over the second mean PSNR among different runs; None for fewer than two."""
     distinct = {tuple(run.id for run in runs): runs for runs in cells}
     scored = [(value.mean, key) for key, runs in distinct.items() if (value := estimate(runs, "psnr", tables))]
     if len(scored) < 2:
@@ -114,7 +123,7 @@ def _selections(table: PublishedTable, rows: Sequence[int]) -> dict[Place, Selec
 
 
 def ranks(values: Mapping[Place, float], metric: Metric) -> dict[Place, Style]:
-    """Bold for the best, underlined for the second of three or more; values equal as printed share their rank."""
+    """Return bold for the best, underlined for the second of three or more; values that print equally share a rank."""
     printed = {place: round(value, metric.decimals) for place, value in values.items()}
     order = sorted(set(printed.values()), reverse=metric.better == "higher")
     styles: dict[float, Style] = {}
@@ -123,9 +132,3 @@ def ranks(values: Mapping[Place, float], metric: Metric) -> dict[Place, Style]:
         if len(printed) > 2:
             styles[order[1]] = "underline"
     return {place: styles.get(value, "plain") for place, value in printed.items()}
-
-
-def number(value: Estimate, decimals: int, sign: bool = False) -> str:
-    """``mean ± half-width``; the half-width is left away where there is none."""
-    mean = f"{value.mean:{'+' if sign else ''}.{decimals}f}".replace("-", "−").replace("inf", "∞")
-    return mean if math.isnan(value.half_width) else f"{mean} ± {value.half_width:.{decimals}f}"

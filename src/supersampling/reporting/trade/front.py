@@ -1,4 +1,4 @@
-"""Quality against time: each way to run each method of a data set, and those that no other beats in both."""
+"""Quality against time: each way to run each method of a data set, and the ways that no other beats in both."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -7,24 +7,27 @@ from typing import Any
 
 from omegaconf import OmegaConf
 
-from supersampling.reporting.pages.overview import Method
+from supersampling.reporting.methods import Method
 from supersampling.runs.estimates import ClipTables, difference, estimate
+from supersampling.runs.method import CONFIGURATION
+from supersampling.runs.options import restored
 from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Run, Store
-from supersampling.runs.timing import Timing, architecture
+from supersampling.runs.timing import Timing, architecture, former_architecture
 
 EXACT = "float32"
-CONFIGURATION = "config.yaml"
-Cost = tuple[str, str, str]  # architecture, backend, precision
+
+Cost = tuple[str, str, str]
+"""Architecture, backend, precision."""
 Costs = Mapping[Cost, Estimate]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Candidate:
     """A method as one backend runs it in one precision: its quality, and how long a frame takes.
 
-    ``cost`` is what the precision was measured to change in the quality (negative for a loss), None of float32; it is in
-    ``quality`` already.
+    ``cost`` is the measured change of the quality by the precision (negative for a loss), None for float32; ``quality``
+    includes it.
     """
 
     label: str
@@ -42,15 +45,15 @@ class Candidate:
         return f"{self.timing.backend} {self.timing.precision}"
 
     @property
-    def same(self) -> tuple[Any, ...]:
-        """Equal for candidates whose images, and so quality, are the same."""
+    def images(self) -> tuple[Any, ...]:
+        """A key that is equal for candidates whose images, and so quality, are the same."""
         precision = self.timing.precision
         return (*(run.id for run in self.runs), precision, "" if precision == EXACT else self.timing.backend)
 
 
-@dataclass(frozen=True, order=True)
+@dataclass(frozen=True, order=True, kw_only=True)
 class Place:
-    """Where times can be compared: one machine, device, number of threads, and target size."""
+    """A place within which times compare: one machine, device, number of threads, and target size."""
 
     machine: str
     device: str
@@ -60,23 +63,47 @@ class Place:
 
     @classmethod
     def of(cls, timing: Timing) -> "Place":
-        return cls(timing.machine, timing.device, timing.threads, timing.width, timing.height)
+        return cls(
+            machine=timing.machine,
+            device=timing.device,
+            threads=timing.threads,
+            width=timing.width,
+            height=timing.height,
+        )
 
     def __str__(self) -> str:
         threads = f", {self.threads} threads" if self.device == "cpu" else ""
         return f"{self.width}x{self.height} on {self.device}{threads} ({self.machine})"
 
 
-def architectures(runs: Iterable[Run], store: Store) -> dict[str, str]:
-    """The `architecture` of each run by its id, of the configuration that it logged; a run without one is left out."""
-    found = {}
+@dataclass(frozen=True)
+class Architectures:
+    """The `architecture` of each run by its id, and what the first scheme called each architecture."""
+
+    by_run: Mapping[str, str]
+    former: Mapping[str, str]
+
+    @property
+    def known(self) -> set[str]:
+        return set(self.by_run.values())
+
+    def current(self, name: str) -> str:
+        """Return today's name of an architecture of either scheme."""
+        return self.former.get(name, name)
+
+
+def architectures(runs: Iterable[Run], store: Store) -> Architectures:
+    """Return the architectures of the configurations that runs logged; a run without one is left out."""
+    by_run, former = {}, {}
     for run, path in store.folders(list(runs), CONFIGURATION).items():
-        said: Any = OmegaConf.to_container(OmegaConf.load(path), resolve=True)
-        found[run] = architecture(said["model"], int(said["task"]["scale"]))
-    return found
+        config: Any = OmegaConf.to_container(OmegaConf.load(path), resolve=True)
+        model, scale = config["model"], int(config["task"]["scale"])
+        by_run[run] = architecture(model, scale)
+        former[former_architecture(restored(model, f"Run {run}"), scale)] = by_run[run]
+    return Architectures(by_run, former)
 
 
-def candidates(
+def list_candidates(
     methods: Iterable[Method],
     timings: Iterable[Timing],
     known: Mapping[str, str],
@@ -84,64 +111,59 @@ def candidates(
     costs: Costs,
     metric: str = "psnr",
 ) -> list[Candidate]:
-    """Methods joined with the times of their architecture.
+    """Return the methods joined with the times of their architecture.
 
-    A float32 time has the quality that the method's runs were scored with, whichever backend it is: they differ by rounding.
-    Any other precision has that and its measured cost; where that was not measured it is left out, as is what has no time.
+    A float32 time has the quality that the method's runs were scored with, whatever its backend: they differ by rounding.
+    Any other precision has that and its measured cost; it is left out if the cost was not measured. A method without a
+    time is left out as well.
 
     Args:
-        timings: the last of one architecture, place, backend and precision counts.
+        timings: of several of one architecture, place, backend and precision the last counts.
         known: see `architectures`.
         costs: the mean paired change of the metric in that precision, over whole clips.
     """
     newest: dict[str, dict[tuple[Any, ...], Timing]] = {}
     for timing in timings:
-        if not timing.runs:
-            continue
-        kind = (Place.of(timing), timing.backend, timing.precision)
-        newest.setdefault(timing.architecture, {})[kind] = timing
-    found = []
+        if timing.runs:
+            kind = (Place.of(timing), timing.backend, timing.precision)
+            newest.setdefault(timing.architecture, {})[kind] = timing
+    candidates = []
     for method in methods:
-        own = next((known[run.id] for run in method.runs if run.id in known), None)
+        key = next((known[run.id] for run in method.runs if run.id in known), None)
         quality = estimate(method.runs, metric, clips)
-        if own is None or quality is None or math.isnan(quality.mean):
+        if key is None or quality is None or math.isnan(quality.mean):
             continue
-        for timing in newest.get(own, {}).values():
-            cost = costs.get((own, timing.backend, timing.precision))
-            if timing.precision != EXACT and cost is None:
+        for timing in newest.get(key, {}).values():
+            exact = timing.precision == EXACT
+            cost = None if exact else costs.get((key, timing.backend, timing.precision))
+            if not exact and cost is None:
                 continue
-            exact = timing.precision == EXACT or cost is None
-            found.append(
-                Candidate(
-                    method.label,
-                    tuple(method.runs),
-                    quality if exact or cost is None else plus(quality, cost),
-                    timing,
-                    None if exact else cost,
-                )
+            total = quality if cost is None else plus(quality, cost)
+            candidates.append(
+                Candidate(label=method.label, runs=tuple(method.runs), quality=total, timing=timing, cost=cost)
             )
-    return found
+    return candidates
 
 
-def plus(one: Estimate, other: Estimate, sign: float = 1.0) -> Estimate:
-    """The sum of two independent estimates, or ``one - other`` with a ``sign`` of -1; ends of intervals add in quadrature."""
-    mean = one.mean + sign * other.mean
-    below, above = (other.mean - other.low, other.high - other.mean)[:: 1 if sign > 0 else -1]
-    low = mean - math.hypot(one.mean - one.low, below)
-    high = mean + math.hypot(one.high - one.mean, above)
-    return replace(one, mean=mean, low=low, high=high)
+def plus(first: Estimate, second: Estimate, sign: float = 1.0) -> Estimate:
+    """Return the sum of two independent estimates, or ``first - second`` with a ``sign`` of -1.
+
+    The distances of the intervals' ends from the mean add in quadrature.
+    """
+    mean = first.mean + sign * second.mean
+    below, above = (second.mean - second.low, second.high - second.mean)[:: 1 if sign > 0 else -1]
+    low = mean - math.hypot(first.mean - first.low, below)
+    high = mean + math.hypot(first.high - first.mean, above)
+    return replace(first, mean=mean, low=low, high=high)
 
 
 def gap(a: Candidate, b: Candidate, clips: ClipTables, metric: str = "psnr") -> Estimate | None:
-    """``a - b`` in the metric, paired over the clips that both have; None without such clips."""
-    if a.same == b.same:
-        return Estimate(0.0, 0.0, 0.0, a.quality.clips, a.quality.scenes)
+    """Return ``a - b`` in the metric, paired over the clips that both have; None without such clips."""
+    zero = Estimate(0.0, 0.0, 0.0, a.quality.clips, a.quality.scenes)
+    if a.images == b.images:
+        return zero
     same_runs = [run.id for run in a.runs] == [run.id for run in b.runs]
-    apart = (
-        Estimate(0.0, 0.0, 0.0, a.quality.clips, a.quality.scenes)
-        if same_runs
-        else difference(a.runs, b.runs, metric, clips)
-    )
+    apart = zero if same_runs else difference(a.runs, b.runs, metric, clips)
     if apart is None:
         return None
     if a.cost is not None:
@@ -149,25 +171,29 @@ def gap(a: Candidate, b: Candidate, clips: ClipTables, metric: str = "psnr") -> 
     return apart if b.cost is None else plus(apart, b.cost, -1.0)
 
 
-def front(found: Sequence[Candidate], higher: bool = True) -> list[Candidate]:
-    """Those that no other beats: none is as fast and better, or as good and faster. Fastest first.
+def front(candidates: Sequence[Candidate], higher: bool = True) -> list[Candidate]:
+    """Return the candidates that no other beats, fastest first.
 
-    Of two with the same time and quality neither beats the other. What has no time or no quality is on no front.
-    ``higher``: whether more of the quality is better.
+    A candidate is beaten by one that is as fast and better, or as good and faster. Of two with the same time and quality
+    neither beats the other. A candidate without a time or a quality is on no front.
+
+    Args:
+        higher: whether more of the quality is better.
     """
     sign = 1.0 if higher else -1.0
-    usable = [c for c in found if math.isfinite(c.ms) and not math.isnan(c.quality.mean)]
+    usable = [c for c in candidates if math.isfinite(c.ms) and not math.isnan(c.quality.mean)]
     usable.sort(key=lambda c: (c.ms, -sign * c.quality.mean))
-    kept: list[Candidate] = []
-    for one in usable:
-        last = kept[-1] if kept else None
-        better = last is None or sign * one.quality.mean > sign * last.quality.mean
-        if better or (last is not None and (one.ms, one.quality.mean) == (last.ms, last.quality.mean)):
-            kept.append(one)
-    return kept
+    best: list[Candidate] = []
+    for candidate in usable:
+        last = best[-1] if best else None
+        better = last is None or sign * candidate.quality.mean > sign * last.quality.mean
+        equal = last is not None and (candidate.ms, candidate.quality.mean) == (last.ms, last.quality.mean)
+        if better or equal:
+            best.append(candidate)
+    return best
 
 
-def places(found: Iterable[Candidate | Timing]) -> list[Place]:
-    """Each place once, the one with most times first."""
-    every = [Place.of(one.timing if isinstance(one, Candidate) else one) for one in found]
-    return sorted(set(every), key=lambda place: (-every.count(place), place))
+def places(items: Iterable[Candidate | Timing]) -> list[Place]:
+    """Return each place once, the one with most times first."""
+    counted = [Place.of(item.timing if isinstance(item, Candidate) else item) for item in items]
+    return sorted(set(counted), key=lambda place: (-counted.count(place), place))

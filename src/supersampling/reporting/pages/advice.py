@@ -1,34 +1,50 @@
-"""What scenes require: of each scene and space the newest advice, what it saves, what it took, and what each part brings."""
+"""What scenes require: the newest advice for each scene and space, its savings and cost, and the gain of each part."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
 
+from supersampling.reporting.format import fixed, span, thousands, typeset
+from supersampling.reporting.pages.exports import export
+from supersampling.reporting.pages.report import Report
+from supersampling.reporting.pages.section import Section
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
+from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Store
 
 SUMMARY, PARTS = "summary.json", "contributions.json"
+Row = dict[str, Any]
+
+
+def section(report: Report) -> Section | None:
+    """Return the overview's page of advice; None for a paper, and without advice."""
+    if report.subject is not None:
+        return None
+    pages = sheets(report.material.store, report.material.experiment.id)
+    export(pages, report.stem)
+    return Section(title="What scenes require", sheets=pages, size=7.5) if pages else None
 
 
 def sheets(store: Store, experiment_id: str) -> list[Sheet]:
-    """The answers, and a table of parts for each space; none where nobody asked for advice."""
-    found = _tables(store, experiment_id)
-    if not found:
+    """Return the answers, and a table of parts for each space; none without advice."""
+    newest = _tables(store, experiment_id)
+    if not newest:
         return []
-    machines = ", ".join(sorted({machine for machine, _, _ in found}))
-    joined = pd.concat([summary for _, summary, _ in found], ignore_index=True)
-    answers: list[dict[str, Any]] = joined.sort_values(["space", "scene"]).to_dict("records")  # type: ignore[assignment]
-    made = [_answers(answers, machines), _saved(answers)]
+    machines = ", ".join(sorted({machine for machine, _, _ in newest}))
+    summaries = pd.concat([summary for _, summary, _ in newest], ignore_index=True)
+    answers: list[Row] = summaries.sort_values(["space", "scene"]).to_dict("records")  # type: ignore[assignment]
+    pages = [_answers(answers, machines), _savings(answers)]
     for space in sorted({str(row["space"]) for row in answers}):
-        parts = {str(s["scene"].iloc[0]): p for _, s, p in found if s["space"].iloc[0] == space}
+        parts = {str(s["scene"].iloc[0]): p for _, s, p in newest if s["space"].iloc[0] == space}
         if any(len(table) for table in parts.values()):
-            made.append(_parts(space, parts))
-    return made
+            pages.append(_parts(space, parts))
+    return pages
 
 
 def _tables(store: Store, experiment_id: str) -> list[tuple[str, pd.DataFrame, pd.DataFrame]]:
-    """Machine, summary and parts of the newest finished run of each scene and space."""
+    """Return machine, summary and parts of the newest finished run for each scene and space."""
     parts = {run.id: table for run, table in store.logged(experiment_id, "advice", PARTS)}
     newest = {}
     for run, summary in store.logged(experiment_id, "advice", SUMMARY):
@@ -37,13 +53,13 @@ def _tables(store: Store, experiment_id: str) -> list[tuple[str, pd.DataFrame, p
     return list(newest.values())
 
 
-def _answers(rows: list[dict[str, Any]], machines: str) -> Sheet:
+def _answers(rows: list[Row], machines: str) -> Sheet:
     body = [
         [
             Text(str(row["scene"])),
             Text(str(row["space"])),
-            Text(_spaced(row["chosen"])),
-            Text(_interval(row["loss"], row["low"], row["high"])),
+            Text(_with_commas(row["chosen"])),
+            Text(_interval(_estimate(row, "loss"))),
             Text(f"{row['margin']:g}"),
             Text(str(row["size"]).replace("x", "×")),
             Text(f"{row['ms']:.1f}"),
@@ -59,10 +75,10 @@ def _answers(rows: list[dict[str, Any]], machines: str) -> Sheet:
         f"Milliseconds a frame in streaming use, of so many rendered pixels: {machines}.",
     ]
     heads = ["scene", "space", "answer", "loss, dB", "margin", "rendered", "ms", "best's ms", "open"]
-    return Sheet("advice", "What scenes require.", [], heads, body, 3, notes)
+    return Sheet(name="advice", title="What scenes require.", headers=heads, rows=body, labels=3, notes=notes)
 
 
-def _saved(rows: list[dict[str, Any]]) -> Sheet:
+def _savings(rows: list[Row]) -> Sheet:
     body = [
         [
             Text(str(row["scene"])),
@@ -70,7 +86,7 @@ def _saved(rows: list[dict[str, Any]]) -> Sheet:
             Text(str(row["left_out"]) or "none", "plain" if row["left_out"] else "muted"),
             Text(f"{row['left_out_mb']:.2f} of {row['of_mb']:.2f}"),
             Text(f"{row['trainings']} of {row['walk_trainings']}"),
-            Text(f"{_thousands(row['steps'])} of {_thousands(row['walk_steps'])}"),
+            Text(f"{thousands(row['steps'])} of {thousands(row['walk_steps'])}"),
             Text(f"{row['minutes']:.0f} of {row['walk_minutes']:.0f}"),
         ]
         for row in rows
@@ -80,12 +96,18 @@ def _saved(rows: list[dict[str, Any]]) -> Sheet:
         "steps and minutes of training: of the search, and of a walk over the whole space by the last round's trainings (its "
         "minutes in proportion to its steps)."
     ]
-    heads = ["scene", "space", "buffers left out", "MB", "trainings", "steps", "minutes"]
-    return Sheet("advice_saved", "What the advice saves, and what it took.", [], heads, body, 3, notes)
+    return Sheet(
+        name="advice_saved",
+        title="What the advice saves, and what it took.",
+        headers=["scene", "space", "buffers left out", "MB", "trainings", "steps", "minutes"],
+        rows=body,
+        labels=3,
+        notes=notes,
+    )
 
 
 def _parts(space: str, tables: dict[str, pd.DataFrame]) -> Sheet:
-    """A row for each part and scene, of the last round that has a pair."""
+    """Return one row for each part and scene, of the last round that has a pair."""
     body: list[list[Text]] = []
     rules: list[int] = []
     for scene in sorted(tables):
@@ -95,13 +117,14 @@ def _parts(space: str, tables: dict[str, pd.DataFrame]) -> Sheet:
         rules.append(len(body))
         last = table.sort_values("round", kind="stable").drop_duplicates("part", keep="last").sort_index()
         for number, row in enumerate(last.to_dict("records")):
+            gain = _estimate(row, "db")
             body.append(
                 [
                     Text(scene if number == 0 else ""),
                     Text(str(row["part"])),
                     Text(str(row["against"])),
-                    Text(_interval(row["db"], row["low"], row["high"]), _style(row["low"], row["high"])),
-                    Text(f"{row['ms']:+.1f}".replace("-", "−")),
+                    Text(_interval(gain), _style(gain)),
+                    Text(typeset(fixed(row["ms"], 1, sign=True))),
                     Text(f"{row['round']} ({row['pairs']})" if row["pairs"] else ""),
                     Text("yes" if row["kept"] else "no", "yes" if row["kept"] else "muted"),
                 ]
@@ -111,37 +134,40 @@ def _parts(space: str, tables: dict[str, pd.DataFrame]) -> Sheet:
         "95% interval; milliseconds a frame that it takes; the last round that has such a pair, and how many. What was not "
         "searched cannot matter on the scene by what its files hold."
     ]
-    heads = ["scene", "part", "against", "brings, dB", "ms", "round (pairs)", "kept"]
-    title = f"What each part brings: the space {space}."
-    return Sheet(f"advice_{space}", title, [], heads, body, 3, notes, rules)
+    return Sheet(
+        name=f"advice_{space}",
+        title=f"What each part brings: the space {space}.",
+        headers=["scene", "part", "against", "brings, dB", "ms", "round (pairs)", "kept"],
+        rows=body,
+        labels=3,
+        notes=notes,
+        rules=rules,
+    )
 
 
-def _style(low: object, high: object) -> Style:
-    if _number(low) > 0:
+def _estimate(row: Mapping[Any, Any], mean: str) -> Estimate:
+    """Return the row's mean and interval; JSON's null becomes NaN."""
+    numbers = (row[name] for name in (mean, "low", "high"))
+    middle, low, high = (math.nan if value is None else float(value) for value in numbers)
+    return Estimate(middle, low, high, clips=0)
+
+
+def _style(gain: Estimate) -> Style:
+    if gain.low > 0:
         return "yes"
-    return "no" if _number(high) < 0 else "plain"
+    return "no" if gain.high < 0 else "plain"
 
 
-def _number(value: object) -> float:
-    return math.nan if value is None else float(str(value))
-
-
-def _interval(mean: object, low: object, high: object) -> str:
-    if math.isnan(_number(mean)):
+def _interval(value: Estimate) -> str:
+    if math.isnan(value.mean):
         return "not searched"
-    text = f"{_number(mean):+.2f}"
-    if not math.isnan(_number(low)):
-        text += f" ({_number(low):+.2f} to {_number(high):+.2f})"
-    return text.replace("-", "−")
+    mean = fixed(value.mean, 2, sign=True)
+    return typeset(mean if math.isnan(value.low) else f"{mean} ({span(value, 2)})")
 
 
-def _spaced(name: object) -> str:
+def _with_commas(name: object) -> str:
     return ", ".join(str(name).split(" "))
 
 
 def _count(names: object) -> str:
     return str(len(str(names).split("; "))) if names else "0"
-
-
-def _thousands(value: object) -> str:
-    return f"{int(_number(value)):,}".replace(",", " ")

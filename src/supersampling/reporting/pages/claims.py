@@ -1,24 +1,65 @@
-"""Judged claims as rows to typeset, as a sheet, and in long form."""
+"""Judged claims: the section, its table for other documents, and the long form."""
 
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from supersampling.reporting.comparison import decimals
+from supersampling.reporting.format import decimals, fixed, thousands, typeset
+from supersampling.reporting.pages.exports import export_rows, export_words
+from supersampling.reporting.pages.report import Report
+from supersampling.reporting.pages.section import Section
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.reporting.papers.claims import VERDICTS, Judged, Verdict
 from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Paper
 from supersampling.runs.statistics import Estimate
 
 STYLES: dict[Verdict, Style] = {
-    "reproduced": "yes", "contradicted": "no", "unresolved": "open", "not run": "muted",
-}  # fmt: skip
+    "reproduced": "yes",
+    "contradicted": "no",
+    "unresolved": "open",
+    "not run": "muted",
+}
 SIGNS = {"more": "a > b", "less": "a < b", "rises": "rises with every step", "falls": "falls with every step"}
 EXACT_DIGITS = 4
+WORDS = [
+    Text(
+        "What the papers conclude, judged by our runs: the mean paired difference over clips and seeds, below it its 95% "
+        "interval over other scenes like these. "
+    ),
+    Text("Reproduced", "bold"),
+    Text(": the interval lies wholly on the claimed side; "),
+    Text("contradicted", "bold"),
+    Text(": wholly on the other; "),
+    Text("unresolved", "bold"),
+    Text(": neither; "),
+    Text("not run", "bold"),
+    Text(": runs are missing. Of twenty intervals one misses the truth by chance."),
+]
+
+
+def section(report: Report) -> Section | None:
+    """Return the claims of each paper; None without any."""
+    groups = report.judged
+    if not groups:
+        return None
+    export_rows(long_form([claim for _, judged in groups for claim in judged]), f"{report.stem}_claims.csv")
+    if report.subject is not None:
+        export_words([sheet(judged, paper) for paper, judged in groups], report.stem)
+    return Section(title="Claims", words=WORDS, claims=[_group(paper, judged, report) for paper, judged in groups])
+
+
+def _group(paper: Paper, judged: Sequence[Judged], report: Report) -> dict[str, object]:
+    name = f"{paper.authors.split(',')[0]}: {paper.title}"
+    return {
+        "paper": name if len(report.judged) > 1 else "",
+        "short": paper.short,
+        "counts": [list(item) for item in counts(judged)],
+        "rows": rows(judged, report.keys),
+    }
 
 
 def rows(judged: Sequence[Judged], keys: Mapping[str, str]) -> list[dict[str, str]]:
-    """One claim each, as the template prints it; ``keys`` are the runs' numbers in the appendix."""
+    """Return one row per claim as the template prints it; ``keys`` are the runs' numbers in the appendix."""
     return [
         {
             "id": item.claim.id,
@@ -30,7 +71,7 @@ def rows(judged: Sequence[Judged], keys: Mapping[str, str]) -> list[dict[str, st
             "interval": _interval(item.effect, item.claim),
             "verdict": item.verdict,
             "style": STYLES[item.verdict],
-            "more": " ".join(_more(item)),
+            "more": " ".join(_remarks(item)),
             "runs": _runs(item, keys),
         }
         for item in judged
@@ -38,38 +79,44 @@ def rows(judged: Sequence[Judged], keys: Mapping[str, str]) -> list[dict[str, st
 
 
 def counts(judged: Sequence[Judged]) -> list[tuple[str, int, str]]:
-    """``(verdict, how many, style)`` in a fixed order."""
-    found = Counter(item.verdict for item in judged)
-    return [(verdict, found[verdict], STYLES[verdict]) for verdict in VERDICTS]
+    """Return ``(verdict, number of claims, style)`` in a fixed order."""
+    numbers = Counter(item.verdict for item in judged)
+    return [(verdict, numbers[verdict], STYLES[verdict]) for verdict in VERDICTS]
 
 
 def sheet(judged: Sequence[Judged], paper: Paper) -> Sheet:
-    """The claims as a table for Markdown and LaTeX."""
+    """Return the claims as a table for Markdown and LaTeX."""
     body = []
     for item in judged:
         claim = item.claim
-        ours = " ".join(text for text in (_mean(item.effect, claim), _bracketed(_interval(item.effect, claim))) if text)
+        effect = [_mean(item.effect, claim), _in_brackets(_interval(item.effect, claim))]
         body.append(
             [
                 Text(claim.id),
                 Text(claim.text),
                 Text(_source(claim)),
                 Text(_published(claim)),
-                Text(ours),
+                Text(" ".join(text for text in effect if text)),
                 Text(item.verdict, STYLES[item.verdict]),
-                Text(" ".join(_more(item))),
+                Text(" ".join(_remarks(item))),
             ]
         )
     heads = ["claim", "statement", "where", paper.short, "ours (95% interval)", "verdict", "remarks"]
-    summary = ", ".join(f"{count} {verdict}" for verdict, count, _ in counts(judged))
-    return Sheet("claims", f"Claims {paper.of}".rstrip(".") + ".", [], heads, body, len(heads), [f"{summary}."])
+    return Sheet(
+        name="claims",
+        title=f"Claims {paper.of}".rstrip(".") + ".",
+        headers=heads,
+        rows=body,
+        labels=len(heads),
+        notes=[", ".join(f"{count} {verdict}" for verdict, count, _ in counts(judged)) + "."],
+    )
 
 
 def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
-    """One row for each claim, with the runs behind it."""
+    """Return one row per claim, with the runs behind it."""
     table: list[dict[str, object]] = []
     for item in judged:
-        claim, effect, chosen = item.claim, item.effect, item.chosen
+        claim, effect, sides = item.claim, item.effect, item.chosen
         table.append(
             {
                 "claim": claim.id,
@@ -87,14 +134,14 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
                 "verdict": item.verdict,
                 "reason": item.reason,
                 "scenes": len(item.scenes) or None,
-                "holds_on": " ".join(scene for scene, held in item.scenes.items() if held),
-                "fails_on": " ".join(scene for scene, held in item.scenes.items() if not held),
+                "holds_on": " ".join(scene for scene, holds in item.scenes.items() if holds),
+                "fails_on": " ".join(scene for scene, holds in item.scenes.items() if not holds),
                 "clips": effect.clips if effect else None,
-                "seeds": " ".join(f"{label}:{len(runs)}" for label, runs in chosen.runs.items()),
-                "setting": "" if chosen.setting is None else str(chosen.setting),
+                "seeds": " ".join(f"{label}:{len(runs)}" for label, runs in sides.runs.items()),
+                "setting": "" if sides.setting is None else str(sides.setting),
                 "needs": claim.needs,
                 "runs": "; ".join(
-                    f"{label}: {' '.join(run.id for run in runs)}" for label, runs in chosen.runs.items() if runs
+                    f"{label}: {' '.join(run.id for run in runs)}" for label, runs in sides.runs.items() if runs
                 ),
             }
         )
@@ -115,7 +162,7 @@ def _unit(claim: Claim) -> str:
 
 
 def _published(claim: Claim) -> str:
-    return "" if claim.published is None else f"{claim.published:+g}{_unit(claim)}".replace("-", "−")
+    return "" if claim.published is None else typeset(f"{claim.published:+g}{_unit(claim)}")
 
 
 def _mean(effect: Estimate | None, claim: Claim) -> str:
@@ -132,20 +179,19 @@ def _interval(effect: Estimate | None, claim: Claim) -> str:
 
 def _signed(value: float, effect: Estimate, claim: Claim) -> str:
     if claim.metric.startswith(RUN_METRIC):
-        return f"{value:+,.{EXACT_DIGITS}g}" if abs(value) < 1000 else f"{value:+,.0f}".replace(",", " ")
-    places = 3 if math.isnan(effect.half_width) else decimals(effect.half_width)
-    return f"{value:+.{places}f}".replace("-", "−")
+        return f"{value:+,.{EXACT_DIGITS}g}" if abs(value) < 1000 else thousands(value, sign=True)
+    return typeset(fixed(value, 3 if math.isnan(effect.half_width) else decimals(effect.half_width), sign=True))
 
 
-def _bracketed(text: str) -> str:
+def _in_brackets(text: str) -> str:
     return f"({text})" if text else ""
 
 
-def _more(item: Judged) -> list[str]:
-    """What else to know: the scenes, the reason, each step, the paper's condition, what our data cannot do."""
+def _remarks(item: Judged) -> list[str]:
+    """Return sentences on the scenes, the reason, each step, the paper's condition, and what our data cannot do."""
     claim = item.claim
     steps = "; ".join(
-        f"{step.label}: {_mean(step.difference, claim)} {_bracketed(_interval(step.difference, claim))}".strip()
+        f"{step.label}: {_mean(step.difference, claim)} {_in_brackets(_interval(step.difference, claim))}".strip()
         for step in item.steps
         if step.difference is not None
     )
@@ -155,8 +201,8 @@ def _more(item: Judged) -> list[str]:
 
 def _runs(item: Judged, keys: Mapping[str, str]) -> str:
     labels = list(item.chosen.runs) if item.claim.stepwise else ["a", "b"]
-    found = {label: [keys[run.id] for run in item.chosen.runs[label]] for label in labels}
-    return "; ".join(f"{label}: {' '.join(names)}" for label, names in found.items() if names)
+    names = {label: [keys[run.id] for run in item.chosen.runs[label]] for label in labels}
+    return "; ".join(f"{label}: {' '.join(members)}" for label, members in names.items() if members)
 
 
 def _source(claim: Claim) -> str:

@@ -1,42 +1,65 @@
-"""A filled table as sheets to typeset and as long-form rows; the paper's tables of facts and of pictures."""
+"""A paper's tables with our numbers in their cells: as sheets to typeset, and in long form."""
 
 import math
 from collections.abc import Mapping
 
+from supersampling.reporting.format import fixed, plus_minus, span, typeset, unless_resolved
+from supersampling.reporting.pages.exports import export_rows, export_words
+from supersampling.reporting.pages.report import Report
+from supersampling.reporting.pages.section import Section
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.reporting.papers.published import name_of, stem_of, sweep_of
-from supersampling.reporting.papers.schema import Metric, Paper
-from supersampling.reporting.papers.tables import NOT_RUN, Filled, number, ranks
+from supersampling.reporting.papers.schema import Metric, Paper, full_stop
+from supersampling.reporting.papers.tables import NOT_RUN, Filled, ranks
 from supersampling.reporting.settings import Setting
 from supersampling.runs.statistics import Estimate
 
-SIDE_BY_SIDE = 4  # columns of two numbers that fit a page
+# Columns of two numbers that fit a page beside each other, and of two stacked numbers.
+SIDE_BY_SIDE = 4
 STACKED = 6
 LOST = "–"
 LEADS = 4
-PICTURES = {
-    "crops": "see the crops",
-    "error_maps": "see the error maps below the crops",
-    "epipolar": "see Stability over time",
-    "accumulation": "see States",
-    "none": "not drawn",
-}
+WORDS = [
+    Text(
+        "Published numbers come from another data set than ours: compare differences and orders, not values. Of ours, the "
+        "best of each comparison is set in "
+    ),
+    Text("bold", "bold"),
+    Text(", the second of three or more is "),
+    Text("underlined", "underline"),
+    Text(
+        ". A value’s ± is half its 95% bootstrap interval over test clips. A dash is a number that the paper does not give "
+        "or its text lost."
+    ),
+]
 Styles = Mapping[tuple[int, int, str], Style]
 
 
-def sheets(filled: Filled, paper: Paper) -> list[Sheet]:
-    """The table to typeset: published and ours side by side, or below each other where the columns are many.
+def section(report: Report) -> Section | None:
+    """Return a paper's tables beside our numbers; None for the overview."""
+    if report.subject is None or not report.filled:
+        return None
+    paper = report.subject.paper
+    parts = [part for filled in report.filled for part in sheets(filled, paper)]
+    export_words(parts, report.stem)
+    for filled in report.filled:
+        export_rows(long_form(filled, paper), f"{report.stem}_table{stem_of(filled.table.number)}.csv")
+    return Section(title="Beside the published tables", words=WORDS, sheets=parts, size=7.5)
 
-    More columns than a page holds go on in further parts.
+
+def sheets(filled: Filled, paper: Paper) -> list[Sheet]:
+    """Return the table to typeset: published and our numbers side by side, or below each other if the columns are many.
+
+    A table with more columns than a page holds has several parts.
     """
     count = len(filled.table.columns)
     if count <= SIDE_BY_SIDE:
         return [_sheet(filled, paper, range(count), 0, 1)]
     parts = -(-count // STACKED)
-    each = -(-count // parts)
-    starts = range(0, count, each)
+    width = -(-count // parts)
+    starts = range(0, count, width)
     return [
-        _sheet(filled, paper, range(start, min(start + each, count)), part, len(starts))
+        _sheet(filled, paper, range(start, min(start + width, count)), part, len(starts))
         for part, start in enumerate(starts)
     ]
 
@@ -55,41 +78,39 @@ def _sheet(filled: Filled, paper: Paper, columns: range, part: int, parts: int) 
                 body.append([*labels, *metric, *(text for pair in pairs for text in pair)])
                 continue
             blank = [Text("") for _ in (*labels, *metric)]
-            for whose, heads in ((0, [*labels, *metric]), (1, blank)):
-                body.append([*heads, Text((paper.short, "ours")[whose], "muted"), *(pair[whose] for pair in pairs)])
+            body.append([*labels, *metric, Text(paper.short, "muted"), *(published for published, _ in pairs)])
+            body.append([*blank, Text("ours", "muted"), *(measured for _, measured in pairs)])
     label_heads = [*table.headers, *(["metric"] if names[0] else []), *([""] if stacked else [])]
-    shown = [table.columns[column].label for column in columns]
-    a_row = len(body) // len(table.rows)
+    heads = [table.columns[column].label for column in columns]
+    lines = len(body) // len(table.rows)
     return Sheet(
         name=f"table{stem_of(table.number)}" + (f"_part{part + 1}" if parts > 1 else ""),
-        title=_ended(f"{name_of(table.number)} {paper.of}" + (f", part {part + 1} of {parts}" if parts > 1 else "")),
-        groups=[] if stacked else [*(("", 1) for _ in label_heads), *((label, 2) for label in shown)],
-        headers=[*label_heads, *(shown if stacked else [paper.short, "ours"] * len(shown))],
+        title=full_stop(f"{name_of(table.number)} {paper.of}" + (f", part {part + 1} of {parts}" if parts > 1 else "")),
+        groups=[] if stacked else [*(("", 1) for _ in label_heads), *((label, 2) for label in heads)],
+        headers=[*label_heads, *(heads if stacked else [paper.short, "ours"] * len(heads))],
         rows=body,
         labels=len(label_heads),
         notes=_notes(filled, paper) if part == 0 else [],
-        rules=list(range(0, len(body), a_row)) if a_row > 1 else [],
+        rules=list(range(0, len(body), lines)) if lines > 1 else [],
     )
 
 
 def metric_label(metric: Metric) -> str:
-    """With its unit where it has one."""
-    return (
-        metric.label
-        if metric.unit.startswith("1") or metric.unit in metric.label
-        else f"{metric.label} ({metric.unit})"
-    )
+    """Return the metric's label, with its unit if it has one."""
+    if metric.unit.startswith("1") or metric.unit in metric.label:
+        return metric.label
+    return f"{metric.label} ({metric.unit})"
 
 
 def _pair(filled: Filled, paper: Paper, styles: Styles, row: int, column: int, line: int) -> tuple[Text, Text]:
-    """The published and our text of a cell's ``line``-th metric."""
+    """Return the published and our text of a cell's ``line``-th metric."""
     name = filled.table.columns[column].metrics[line]
     metric = paper.metrics[name]
-    theirs = filled.table.rows[row].values[column][line]
-    published = Text(LOST, "muted") if theirs is None else Text(f"{theirs:.{metric.decimals}f}".replace("-", "−"))
+    number = filled.table.rows[row].values[column][line]
+    published = Text(LOST, "muted") if number is None else Text(typeset(fixed(number, metric.decimals)))
     value = filled.values.get((row, column, name))
     if value is not None:
-        return published, Text(number(value, metric.decimals), styles[row, column, name])
+        return published, Text(typeset(plus_minus(value, metric.decimals)), styles[row, column, name])
     return published, Text(filled.state(row, column, metric), "muted")
 
 
@@ -109,8 +130,7 @@ def _styles(filled: Filled, paper: Paper) -> dict[tuple[int, int, str], Style]:
 
 def _notes(filled: Filled, paper: Paper) -> list[str]:
     table = filled.table
-    notes = [_ended(table.caption)]
-    notes += [_ended(text) for text in (table.note, table.lost) if text]
+    notes = [full_stop(text) for text in (table.caption, table.note, table.lost) if text]
     sweep = sweep_of(table, paper)
     sweep_note = [f"What is not run: sweeps={sweep}."] if sweep else []
     if not filled.settings:
@@ -144,13 +164,12 @@ def _settings_note(filled: Filled) -> str:
 
 def _interval(gap: Estimate) -> str:
     if math.isnan(gap.low):
-        return f"{gap.mean:.2f} without interval"
-    text = f"{gap.mean:.2f} ({gap.low:.2f} to {gap.high:.2f}".replace("-", "−")
-    return text + (")" if gap.resolved else ", unresolved)")
+        return f"{fixed(gap.mean, 2)} without interval"
+    return typeset(f"{fixed(gap.mean, 2)} ({span(gap, 2, sign=False)}{unless_resolved(gap)})")
 
 
 def long_form(filled: Filled, paper: Paper) -> list[dict[str, object]]:
-    """One row for each number of the table: published, ours, half-width and the runs behind it."""
+    """Return one row per number of the table: published, ours, half-width and the runs behind it."""
     rows: list[dict[str, object]] = []
     for index, row in enumerate(filled.table.rows):
         for place, column in enumerate(filled.table.columns):
@@ -176,41 +195,3 @@ def long_form(filled: Filled, paper: Paper) -> list[dict[str, object]]:
                     }
                 )
     return rows
-
-
-def fact_sheets(paper: Paper) -> list[Sheet]:
-    """The tables that nothing here competes with, as they are in the paper."""
-    return [
-        Sheet(
-            name=f"facts{stem_of(fact.number)}",
-            title=_ended(f"{name_of(fact.number)} {paper.of}"),
-            groups=[],
-            headers=fact.headers,
-            rows=[[Text(cell) for cell in row] for row in fact.rows],
-            labels=len(fact.headers),
-            notes=[
-                _ended(fact.caption),
-                *(_ended(text) for text in (fact.note, fact.lost) if text),
-            ],
-        )
-        for fact in paper.facts
-    ]
-
-
-def picture_sheet(paper: Paper) -> list[Sheet]:
-    """The paper's pictures, and where ours are."""
-    rows = [
-        [
-            Text(name_of(item.number)),
-            Text(item.section),
-            Text(" ".join(_ended(text) for text in (item.title, item.note) if text)),
-            Text(PICTURES[item.ours], "muted" if item.ours == "none" else "plain"),
-        ]
-        for item in paper.pictures
-    ]
-    title = _ended(f"Pictures {paper.of}")
-    return [Sheet("pictures", title, [], ["where", "section", "what", "ours"], rows, 4)] if rows else []
-
-
-def _ended(sentence: str) -> str:
-    return sentence if sentence.endswith((".", "!", "?")) else f"{sentence}."
