@@ -20,14 +20,14 @@ VERSION_BASE = "1.3"
 
 
 @dataclass(frozen=True)
-class Composition:
+class ComposedConfig:
     """A configuration, and the selected option of each group."""
 
     cfg: DictConfig
     choices: dict[str, str]
 
 
-def composed(name: str, overrides: Sequence[str]) -> Composition:
+def composed(name: str, overrides: Sequence[str]) -> ComposedConfig:
     """Compose a command's configuration, inside of a Hydra application or without one.
 
     Raises:
@@ -47,7 +47,7 @@ def composed(name: str, overrides: Sequence[str]) -> Composition:
     choices = dict(cfg.hydra.runtime.choices)
     with open_dict(cfg):
         del cfg["hydra"]
-    return Composition(cfg, choices)
+    return ComposedConfig(cfg, choices)
 
 
 def group_options(group: str) -> list[str]:

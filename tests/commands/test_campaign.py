@@ -5,7 +5,7 @@ import subprocess
 import pytest
 
 from supersampling.commands import campaign
-from supersampling.commands.campaign import commands, run_each
+from supersampling.commands.campaign import commands, run_sweeps
 from supersampling.errors import UserError
 
 
@@ -56,5 +56,5 @@ def test_the_first_failure_is_the_status_and_an_interrupt_ends_it(folder, monkey
         return subprocess.CompletedProcess(line, statuses[len(lines) - 1])
 
     monkeypatch.setattr(campaign.subprocess, "run", run)
-    assert run_each(commands(["-m", "sweeps=nsrr,laptop"], folder)) == status
+    assert run_sweeps(commands(["-m", "sweeps=nsrr,laptop"], folder)) == status
     assert lines == ["sweeps=nsrr_table10", "sweeps=nsrr_table9", "sweeps=laptop"][:ran]

@@ -42,7 +42,7 @@ def commands(arguments: Sequence[str], folder: Path | None = None) -> list[list[
     return [[f"{KEY}{name}" if word == sweeps[0] else word for word in arguments] for name in names]
 
 
-def run_each(sweeps: Sequence[Sequence[str]]) -> int:
+def run_sweeps(sweeps: Sequence[Sequence[str]]) -> int:
     """Run each sweep as a process and return the exit status of the first that failed.
 
     The others continue after a failure; none is started after an interrupt.

@@ -94,7 +94,7 @@ def launch(name: str, arguments: Sequence[str]) -> None:
     sys.argv = [sys.argv[0], *arguments]
     try:
         if name == "train" and (commands := campaign.commands(arguments)):
-            sys.exit(campaign.run_each(commands))
+            sys.exit(campaign.run_sweeps(commands))
         check_overrides(name, arguments)
         application(name)()
     except UserError as error:

@@ -26,7 +26,7 @@ from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment, experiment_of
 from supersampling.runs.method import method_of
-from supersampling.runs.sanity import Untrained, protocol_parameters, score_once, score_sanity
+from supersampling.runs.sanity import UntrainedMethod, protocol_parameters, score_once, score_sanity
 from supersampling.runs.scores import log_result
 
 RECORDINGS = {"display": (".png", DisplayImages), "radiance": (".exr", RadianceImages)}
@@ -74,7 +74,7 @@ def _score_recordings(experiment: Experiment, cfg: DictConfig) -> None:
     sanity = score_sanity(cfg, files, experiment)
     methods = read_recorded_methods(Path(cfg.capture), files) if cfg.capture else _methods_of_folder(cfg, files)
     for name, model in methods.items():
-        method = Untrained(kind="job", name=name, model=model, content=model.recording.fingerprint)
+        method = UntrainedMethod(kind="job", name=name, model=model, content=model.recording.fingerprint)
         scores, _ = score_once(cfg, experiment, method, files)
         if scores is None:
             print(f"{name}: scored before.")

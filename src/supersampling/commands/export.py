@@ -23,7 +23,7 @@ from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
 from supersampling.models.forms import Precomputable
 from supersampling.render.jitter import jitter_sequence
-from supersampling.runs.method import Method, method_of
+from supersampling.runs.method import LoadedMethod, method_of
 
 CHECKED_SIZE = 60, 34  # of random frames if the graph takes all sizes, rounded down to a possible one
 KERNELS, FRAMES = ("precomputed", "mlp"), ("random", "data")
@@ -81,7 +81,7 @@ def _deployment_form(model: Upsampler, cfg: DictConfig) -> tuple[Upsampler, dict
     return model, description, sequence
 
 
-def _origin(method: Method) -> dict[str, Any]:
+def _origin(method: LoadedMethod) -> dict[str, Any]:
     known = {key: value for key, value in method.origin.items() if value}
     return {"method": method.name, **known, "model": method.config}
 

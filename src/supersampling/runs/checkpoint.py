@@ -1,4 +1,4 @@
-"""What a checkpoint holds beside its weights, so that it needs nothing else, and how a method is built from it.
+"""The metadata of a checkpoint, with which it needs nothing else, and the method that is built from it.
 
 Whoever wrote a file decides what is built; so a file can only name options of ``conf/`` (`supersampling.runs.options`).
 """

@@ -1,4 +1,4 @@
-"""What each top-level key of the configuration means for a run: the one table that identities, parameters and searches read."""
+"""The meaning of each top-level key of the configuration for a run: the one table of identities, parameters and searches."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Effect(Enum):
-    """What a change of a key changes."""
+    """The effect of changing a key."""
 
     WEIGHTS = "the trained weights or tuned constants"
     SCORES = "how the same weights are scored"

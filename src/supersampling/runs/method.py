@@ -25,7 +25,7 @@ CONFIGURATION = "config.yaml"
 
 
 @dataclass(frozen=True)
-class Method:
+class LoadedMethod:
     """A model with its weights, its name and parameters as MLflow shows them, and the run that it came from, if any.
 
     ``config`` is the model's configuration as `supersampling.runs.options.described` writes it.
@@ -38,7 +38,7 @@ class Method:
     origin: Mapping[str, str] = field(default_factory=dict)
 
 
-def method_of(cfg: DictConfig) -> Method:
+def method_of(cfg: DictConfig) -> LoadedMethod:
     """Return the method that ``checkpoint``, ``run`` or ``model`` names; ``cfg.task`` becomes the task it was trained for.
 
     Raises:
@@ -54,12 +54,12 @@ def method_of(cfg: DictConfig) -> Method:
     return _configured_method(cfg, model)
 
 
-def _configured_method(cfg: DictConfig, model: Upsampler) -> Method:
+def _configured_method(cfg: DictConfig, model: Upsampler) -> LoadedMethod:
     config = described(OmegaConf.to_container(cfg.model, resolve=True))
-    return Method(model, method_name(choices()), config, flat_parameters(cfg, choices(), False))
+    return LoadedMethod(model, method_name(choices()), config, flat_parameters(cfg, choices(), False))
 
 
-def _method_of_checkpoint(cfg: DictConfig) -> Method:
+def _method_of_checkpoint(cfg: DictConfig) -> LoadedMethod:
     path = Path(cfg.checkpoint)
     metadata = read_metadata(path)
     if metadata is None:  # written before checkpoints held their model: it is the configured one
@@ -70,10 +70,10 @@ def _method_of_checkpoint(cfg: DictConfig) -> Method:
     load_weights(model, path)
     origin = {key: str(metadata.get(key, "")) for key in ("run", "identity", "version")}
     parameters = dict(metadata.get("parameters", {}))
-    return Method(model, str(metadata.get("method", "")), described(metadata["model"]), parameters, origin)
+    return LoadedMethod(model, str(metadata.get("method", "")), described(metadata["model"]), parameters, origin)
 
 
-def _method_of_run(experiment: Experiment, cfg: DictConfig) -> Method:
+def _method_of_run(experiment: Experiment, cfg: DictConfig) -> LoadedMethod:
     """Return the method of a finished run, with its weights or its tuned constants."""
     try:
         run = experiment.client.get_run(cfg.run)
@@ -91,7 +91,7 @@ def _method_of_run(experiment: Experiment, cfg: DictConfig) -> Method:
         "identity": run_tags.get(tags.IDENTITY, ""),
         "version": run_tags.get(tags.VERSION, ""),
     }
-    return Method(model, run_tags.get(tags.METHOD, ""), described(logged["model"]), dict(run.data.params), origin)
+    return LoadedMethod(model, run_tags.get(tags.METHOD, ""), described(logged["model"]), dict(run.data.params), origin)
 
 
 def _matching_model(

@@ -25,7 +25,7 @@ from supersampling.runs.scores import has_metrics, log_result, means_of
 
 
 @dataclass(frozen=True, kw_only=True)
-class Untrained:
+class UntrainedMethod:
     """A method that is scored without training. ``content`` distinguishes methods of the same name and kind of run."""
 
     kind: str
@@ -44,13 +44,13 @@ def score_sanity(cfg: DictConfig, files: list[Path], experiment: Experiment) -> 
         "raw input": Nearest(cfg.task.scale),
     }
     return {
-        name: score_once(cfg, experiment, Untrained(kind="sanity", name=name, model=model), files)[1]
+        name: score_once(cfg, experiment, UntrainedMethod(kind="sanity", name=name, model=model), files)[1]
         for name, model in rows.items()
     }
 
 
 def score_once(
-    cfg: DictConfig, experiment: Experiment, method: Untrained, files: list[Path]
+    cfg: DictConfig, experiment: Experiment, method: UntrainedMethod, files: list[Path]
 ) -> tuple[Result | None, dict[str, float]]:
     """Score a method and log it, unless that was done.
 
@@ -63,7 +63,7 @@ def score_once(
         return _score(cfg, experiment, method, key, files)
 
 
-def _identity(cfg: DictConfig, method: Untrained, files: list[Path]) -> Identity:
+def _identity(cfg: DictConfig, method: UntrainedMethod, files: list[Path]) -> Identity:
     protocol: Any = OmegaConf.to_container(cfg.protocol, resolve=True)
     data = fingerprint(files, ["target", "color"])
     text = f"{method.kind} {method.name} {method.content} {data} {with_former_paths(protocol)}"
@@ -74,7 +74,7 @@ def _identity(cfg: DictConfig, method: Untrained, files: list[Path]) -> Identity
 
 
 def _score(
-    cfg: DictConfig, experiment: Experiment, method: Untrained, key: Identity, files: list[Path]
+    cfg: DictConfig, experiment: Experiment, method: UntrainedMethod, key: Identity, files: list[Path]
 ) -> tuple[Result | None, dict[str, float]]:
     metrics: Metrics = instantiate(cfg.metrics)
     run = experiment.find(key)

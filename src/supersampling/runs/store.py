@@ -1,4 +1,4 @@
-"""Finished runs and their artifacts, read through MLflow alone, so that a remote server serves as well as a file."""
+"""Finished runs and their artifacts, read through MLflow only, so that a remote server serves as well as a file."""
 
 import json
 import os
@@ -19,17 +19,17 @@ from mlflow.exceptions import MlflowException
 from supersampling.errors import UserError
 from supersampling.metrics import scores
 from supersampling.runs import tags
+from supersampling.runs.experiment import FINISHED
 
 DOWNLOADS_AT_ONCE = 8
 Kind = Literal["job", "evaluation", "benchmark", "stress", "advice"]
 PAGE = 500
-_OF_SCENE = re.compile(r"test/.+/.+")
+_SCENE_MEAN = re.compile(r"test/.+/.+")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Run:
-    """A finished job, or an evaluation of a method by itself, or what another command logged (``kind``): its tags, flat
-    parameters (as strings), last metric values."""
+    """A finished run of one kind: its tags, flat parameters (as strings) and last metric values."""
 
     id: str
     name: str
@@ -53,8 +53,8 @@ class Run:
 
 
 @dataclass(frozen=True)
-class Experiment:
-    """The finished runs of an experiment, oldest first, how many did not finish, and its id in the store."""
+class FinishedRuns:
+    """The finished runs of an experiment, oldest first, the number of unfinished ones, and the experiment's id."""
 
     runs: list[Run]
     unfinished: int
@@ -64,18 +64,18 @@ class Experiment:
 class Store:
     """An MLflow tracking store. ``folder`` receives the downloaded artifacts.
 
-    ``problems`` says, by a run's id, what of it could not be read and why; such a run counts as without it.
+    ``problems`` holds, by a run's id, what of the run could not be read and why; the run counts as without it.
     """
 
     def __init__(self, tracking_uri: str, folder: Path) -> None:
-        # A dead server must be told in seconds; MLflow's own patience is minutes.
+        # An unreachable server must be reported in seconds; MLflow itself waits for minutes.
         os.environ.setdefault("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "1")
         os.environ.setdefault("MLFLOW_HTTP_REQUEST_TIMEOUT", "20")
         os.environ.setdefault("MLFLOW_ENABLE_ARTIFACTS_PROGRESS_BAR", "false")
         database = tracking_uri.removeprefix("sqlite:///")
         # MLflow would create an empty database.
         if database != tracking_uri and not Path(database).is_file():
-            raise UserError(f"there is no MLflow store at '{database}': train first, or set tracking_uri")
+            raise UserError(f"There is no MLflow store at {database}: train first, or set tracking_uri.")
         self.uri = tracking_uri
         self.folder = folder
         self.problems: dict[str, str] = {}
@@ -84,28 +84,33 @@ class Store:
     def _client(self) -> MlflowClient:
         return MlflowClient(tracking_uri=self.uri)
 
-    def experiment(self, name: str, kinds: Sequence[Kind] = ("job",)) -> Experiment:
-        """The jobs of an experiment; of several runs with the same identity the newest finished counts.
+    def experiment(self, name: str, kinds: Sequence[Kind] = ("job",)) -> FinishedRuns:
+        """Return the finished runs of an experiment; of several runs with the same identity only the newest.
 
-        An evaluation has no identity: each counts.
+        An evaluation has no identity: each of them counts.
+
+        Raises:
+            UserError: the store does not answer, or has no such experiment or no finished run.
         """
         try:
-            found = self._client.get_experiment_by_name(name)
-            finished, unfinished = self._jobs(found.experiment_id, kinds) if found is not None else ([], 0)
+            experiment = self._client.get_experiment_by_name(name)
+            finished, unfinished = self._jobs(experiment.experiment_id, kinds) if experiment is not None else ([], 0)
         except (MlflowException, OSError) as error:
             reason = str(error).splitlines()[0][:200]
-            raise UserError(f"the MLflow store '{self.uri}' does not answer ({reason}): check tracking_uri") from error
-        if found is None:
-            raise UserError(f"the MLflow store '{self.uri}' has no experiment '{name}': train first, or set experiment")
+            raise UserError(f"The MLflow store {self.uri} does not answer ({reason}): check tracking_uri.") from error
+        if experiment is None:
+            raise UserError(
+                f"The MLflow store {self.uri} has no experiment {name}: train first, or set experiment_name."
+            )
         if not finished:
             raise UserError(
-                f"the experiment '{name}' in '{self.uri}' has no finished run ({unfinished} others): train first"
+                f"The experiment {name} at {self.uri} has no finished run, and {unfinished} unfinished ones: train first."
             )
         newest = {run.identity: run for run in sorted(finished, key=lambda run: (run.ended, run.id))}
-        return Experiment(list(newest.values()), unfinished, found.experiment_id)
+        return FinishedRuns(list(newest.values()), unfinished, experiment.experiment_id)
 
     def _jobs(self, experiment_id: str, kinds: Sequence[Kind]) -> tuple[list[Run], int]:
-        """The finished runs of these kinds, page by page, and the number of the others."""
+        """Return the finished runs of these kinds, read page by page, and the number of unfinished ones."""
         finished: list[Run] = []
         unfinished = 0
         for kind in kinds:
@@ -115,7 +120,7 @@ class Store:
                     [experiment_id], tags.equals(tags.KIND, kind), max_results=PAGE, page_token=token
                 )
                 jobs = [job for job in page if tags.SEARCH not in job.data.tags]
-                done = [_run(job) for job in jobs if job.info.status == "FINISHED"]
+                done = [_run(job) for job in jobs if job.info.status == FINISHED]
                 finished.extend(done)
                 unfinished += len(jobs) - len(done)
                 token = page.token
@@ -124,53 +129,53 @@ class Store:
         return finished, unfinished
 
     def tables(self, runs: Sequence[Run], level: Literal["frames", "clips"]) -> dict[str, pd.DataFrame]:
-        """The scores of each run by the run's id, a row for each frame or clip; a run without them is left out.
+        """Return the scores of each run by the run's id, one row per frame or clip; a run without scores is left out.
 
-        Runs of earlier versions have JSON tables alone; one that was logged twice (a job taken up again) keeps the last
-        row of each scene, clip and frame.
+        Runs of earlier versions have JSON tables only; of a table that was logged twice (by a job that was continued), the
+        last row of each scene, clip and frame counts.
 
         Raises:
             UserError: the store gave no run's clips.
         """
         files = self._download(runs, scores.FILE)
         older = self._download([run for run in runs if run.id not in files], f"{level}.json")
-        found: dict[str, pd.DataFrame] = {}
+        tables: dict[str, pd.DataFrame] = {}
         for run_id, path in {**files, **older}.items():
             try:
-                whole = run_id in files
-                found[run_id] = getattr(scores.read_scores(path), level) if whole else _read_table(path)
+                parquet = run_id in files
+                tables[run_id] = getattr(scores.read_scores(path), level) if parquet else _read_table(path)
             except (UserError, ValueError, KeyError) as error:
                 self.note(run_id, f"{path.name} cannot be read ({_first_line(error)})")
             if path.is_relative_to(self.folder):  # a copy
                 path.unlink()
-        if level == "clips" and runs and all(run.id in self.problems for run in runs) and not found:
-            why = min(self.problems[run.id] for run in runs)
-            raise UserError(f"'{self.uri}' gave none of the runs' scores ({why}): try again")
+        if level == "clips" and runs and all(run.id in self.problems for run in runs) and not tables:
+            reason = min(self.problems[run.id] for run in runs)
+            raise UserError(f"The MLflow store {self.uri} gave no run's scores ({reason}): try again.")
         for run in runs:
-            if run.id not in found and run.id not in self.problems:
+            if run.id not in tables and run.id not in self.problems:
                 self.note(run.id, f"it has no table of its {level}")
-        return found
+        return tables
 
-    def note(self, run_id: str, why: str) -> None:
+    def note(self, run_id: str, problem: str) -> None:
         """Add to a run's `problems`."""
-        said = self.problems.get(run_id, "")
-        if why not in said:
-            self.problems[run_id] = f"{said}; {why}" if said else why
+        known = self.problems.get(run_id, "")
+        if problem not in known:
+            self.problems[run_id] = f"{known}; {problem}" if known else problem
 
     def logged(self, experiment_id: str, kind: Kind, name: str) -> list[tuple[Run, pd.DataFrame]]:
-        """A table that a command's runs logged by `mlflow`'s ``log_table``, of each finished run of that kind, oldest first."""
+        """Return a table that runs logged by MLflow's ``log_table``, for each finished run of that kind, oldest first."""
         runs = sorted(self._jobs(experiment_id, [kind])[0], key=lambda run: (run.ended, run.id))
-        files, found = self._download(runs, name), []
+        files, tables = self._download(runs, name), []
         for run in [run for run in runs if run.id in files]:
             try:
                 raw: dict[str, Any] = json.loads(files[run.id].read_text(encoding="utf-8"))
-                found.append((run, pd.DataFrame(raw["data"], columns=raw["columns"])))
+                tables.append((run, pd.DataFrame(raw["data"], columns=raw["columns"])))
             except (ValueError, KeyError) as error:
                 self.note(run.id, f"{name} cannot be read ({_first_line(error)})")
-        return found
+        return tables
 
     def folders(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
-        """An artifact folder of each run on the local disk; a run without it is left out."""
+        """Return local copies of an artifact by the run's id; a run without the artifact is left out."""
         return self._download(runs, name)
 
     def _download(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
@@ -191,12 +196,12 @@ class Store:
         failed: dict[str, str] = {}
         with ThreadPoolExecutor(DOWNLOADS_AT_ONCE) as pool:
             paths = list(pool.map(attempt, runs))
-        for run_id, why in failed.items():
-            self.note(run_id, why)
+        for run_id, reason in failed.items():
+            self.note(run_id, reason)
         return {run.id: path for run, path in zip(runs, paths) if path is not None}
 
     def history(self, run: Run, metric: str) -> list[tuple[int, float]]:
-        """``(step, value)`` of a metric logged per epoch, by step; empty where the store does not give it."""
+        """Return ``(step, value)`` of a metric logged per epoch, by step; empty if the store does not give it."""
         try:
             points = self._client.get_metric_history(run.id, metric)
         except (MlflowException, OSError) as error:
@@ -209,7 +214,7 @@ def _run(job: MlflowRun) -> Run:
     run_tags, params = job.data.tags, dict(job.data.params)
     kind: Kind = run_tags[tags.KIND]  # type: ignore[assignment]
     if kind == "evaluation":
-        # They are the training's; of the data that it was scored on the fingerprint alone is known.
+        # They are the training's; only the fingerprint of the data that it was scored on is known.
         params = {name: value for name, value in params.items() if name not in ("data", "data.scenes")}
     return Run(
         id=job.info.run_id,
@@ -221,8 +226,8 @@ def _run(job: MlflowRun) -> Run:
         version=run_tags.get(tags.VERSION, "unknown"),
         ended=job.info.end_time or 0,
         params={sys.intern(k): sys.intern(v) for k, v in params.items()},
-        # Scenes' own averages are in the clip tables.
-        metrics={sys.intern(k): v for k, v in job.data.metrics.items() if not _OF_SCENE.fullmatch(k)},
+        # Averages of single scenes are in the clip tables.
+        metrics={sys.intern(k): v for k, v in job.data.metrics.items() if not _SCENE_MEAN.fullmatch(k)},
         kind=kind,
     )
 

@@ -16,7 +16,7 @@ from supersampling.reporting.papers import claims, figures, tables
 from supersampling.reporting.papers.schema import Paper
 from supersampling.reporting.settings import Choice
 from supersampling.runs.estimates import indexed
-from supersampling.runs.store import Experiment, Run, Store
+from supersampling.runs.store import FinishedRuns, Run, Store
 
 MAX_METHODS = 24
 
@@ -57,7 +57,7 @@ class Material:
     """
 
     store: Store
-    experiment: Experiment
+    experiment: FinishedRuns
     choice: Choice
     papers: list[PaperRuns]
     methods: list[Method]
@@ -84,7 +84,7 @@ class Material:
 
 
 def gather(
-    papers: Sequence[Paper], known: Sequence[Paper], store: Store, experiment: Experiment, choice: Choice
+    papers: Sequence[Paper], known: Sequence[Paper], store: Store, experiment: FinishedRuns, choice: Choice
 ) -> Material:
     """Choose the runs of ``papers`` and download their scores.
 

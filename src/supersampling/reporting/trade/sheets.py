@@ -14,7 +14,7 @@ from supersampling.reporting.trade.front import Candidate, Place
 from supersampling.runs import drift
 from supersampling.runs.estimates import ClipTables
 from supersampling.runs.statistics import Estimate
-from supersampling.runs.store import Experiment, Store
+from supersampling.runs.store import FinishedRuns, Store
 from supersampling.runs.timing import STAGES, TABLE, Timing, timings_of
 
 PLACES = 4
@@ -50,7 +50,7 @@ class Trade:
         return front.gap(a, b, self.clips)
 
 
-def read_trade(store: Store, experiment: Experiment, methods: Sequence[Method], clips: ClipTables) -> Trade:
+def read_trade(store: Store, experiment: FinishedRuns, methods: Sequence[Method], clips: ClipTables) -> Trade:
     """Return what an experiment's benchmarks say of these methods; of repeated measurements the newest counts."""
     tables = [table for _, table in store.logged(experiment.id, "benchmark", TABLE)]
     timings = [timing for table in tables for timing in timings_of(table)]
