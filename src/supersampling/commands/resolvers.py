@@ -5,7 +5,9 @@ import os
 
 from omegaconf import OmegaConf
 
+from supersampling.config import group_options
 from supersampling.resources import output_root, resources
+from supersampling.runs.naming import published_stages
 
 
 def _installed_scenes() -> list[str]:
@@ -20,15 +22,23 @@ def _built_in_scenes() -> list[str]:
     return list(BUILT_IN)
 
 
+def _model_slots() -> str:
+    """Return a line per model with its slots, for ``--help``."""
+    slots = {model: ", ".join(published_stages(model)) for model in group_options("model")}
+    return "\n".join(f"{model}: {names}" for model, names in slots.items() if names)
+
+
 def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def register() -> None:
-    """Register ``${installed_scenes:}``, ``${built_in_scenes:}``, ``${cores:}``, ``${product:a,b}``, ``${resources:}``,
-    ``${output_root:}``."""
+    """Register ``${installed_scenes:}``, ``${built_in_scenes:}``, ``${model_slots:}``, ``${cores:}``, ``${product:a,b}``,
+    ``${resources:}`` and ``${output_root:}``.
+    """
     OmegaConf.register_new_resolver("installed_scenes", _installed_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("built_in_scenes", _built_in_scenes, use_cache=True, replace=True)
+    OmegaConf.register_new_resolver("model_slots", _model_slots, replace=True)
     OmegaConf.register_new_resolver("cores", _cores, replace=True)
     OmegaConf.register_new_resolver("product", lambda *values: math.prod(int(v) for v in values), replace=True)
     OmegaConf.register_new_resolver("resources", lambda: str(resources()), replace=True)
