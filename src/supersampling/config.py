@@ -1,10 +1,12 @@
 """Configurations composed in code, by the one function that every command uses."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import yaml
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
@@ -54,6 +56,20 @@ def group_options(group: str) -> list[str]:
     """Return the options of a group such as ``model`` or ``model/reproject``."""
     folder: Path = resources() / "conf" / group
     return sorted(path.stem for path in folder.glob("*.yaml"))
+
+
+@lru_cache
+def published_stages(model: str) -> Mapping[str, str]:
+    """Return the option of each slot that a model is published with: the defaults of ``conf/model/<model>.yaml``."""
+    path = resources() / "conf" / "model" / f"{model}.yaml"
+    content: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
+    stages: dict[str, str] = {}
+    for entry in content.get("defaults", []):
+        if isinstance(entry, str) and entry != "_self_":
+            stages |= published_stages(entry)
+        elif isinstance(entry, dict):
+            stages |= {str(slot).removeprefix("override ").strip("/"): str(option) for slot, option in entry.items()}
+    return stages
 
 
 def typed_overrides() -> list[str]:

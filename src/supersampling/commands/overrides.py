@@ -7,10 +7,9 @@ from typing import Any
 import yaml
 from hydra.errors import ConfigCompositionException, MissingConfigException, OverrideParseException
 
-from supersampling.config import composed, group_options, key_of
+from supersampling.config import composed, group_options, key_of, published_stages
 from supersampling.errors import UserError
 from supersampling.resources import resources
-from supersampling.runs.naming import published_stages
 
 MOVED = {
     "logger.tracking_uri": "tracking_uri",

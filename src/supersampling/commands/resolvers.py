@@ -5,9 +5,8 @@ import os
 
 from omegaconf import OmegaConf
 
-from supersampling.config import group_options
+from supersampling.config import group_options, published_stages
 from supersampling.resources import output_root, resources
-from supersampling.runs.naming import published_stages
 
 
 def _installed_scenes() -> list[str]:
