@@ -125,7 +125,7 @@ def _rows(model: nn.Module, root: str, macs: Mapping[str, int], depth: int) -> l
     parameters, total = walk(model, root, 1)
     rest = sum(p.numel() for p in model.parameters()) - parameters, macs.get("Global", 0) - total
     if any(rest):
-        rows.append(Row("(the rest)", "", *rest))
+        rows.append(Row("(its own)", "", *rest))
     return rows
 
 

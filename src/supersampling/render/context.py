@@ -12,6 +12,9 @@ from supersampling.errors import UserError
 
 # Shared library: the Debian package that holds it. The loaders come before Mesa's part of EGL, in the order of use.
 _PACKAGES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libEGL_mesa.so.0": "libegl-mesa0"}
+# Full names of the libraries: without them glcontext asks ldconfig, and without ldconfig it wants the compiler's libGL.so.
+# The stub types each setting as a dictionary of settings, hence Any.
+_BACKEND: Any = {"backend": "egl", "libegl": "libEGL.so.1", "libgl": "libGL.so.1"}
 # Mesa's software rasteriser is a plug-in outside the library path.
 _RASTERISER, _RASTERISER_PACKAGE = "swrast_dri.so", "libgl1-mesa-dri"
 _DRIVER_FOLDERS = ("/usr/lib/*/dri", "/usr/lib/dri", "/usr/lib64/dri")
@@ -27,10 +30,7 @@ def open_context() -> moderngl.Context:
         UserError: no context opens; the sentence names the missing packages, or what else to look at.
     """
     try:
-        # Full names: without them glcontext asks ldconfig, and without ldconfig it wants the compiler's libGL.so.
-        # The stub types each setting as a dictionary of settings.
-        libraries: Any = {"backend": "egl", "libegl": "libEGL.so.1", "libgl": "libGL.so.1"}
-        return moderngl.create_context(standalone=True, require=430, **libraries)
+        return moderngl.create_context(standalone=True, require=430, **_BACKEND)
     except Exception as error:  # moderngl raises bare Exceptions, and OSError for a missing library
         reason = str(error).strip().rstrip(".") or type(error).__name__
         raise UserError(f"No OpenGL 4.3 context opens without a screen ({reason}): {_remedy()}") from None
