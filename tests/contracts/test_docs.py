@@ -20,7 +20,7 @@ COMMANDS = sorted(
         line.strip()
         for page in PAGES
         for line in re.findall(
-            r"^ {4}(python (?:\w+)\.py.*)$",
+            r"^ {4}((?:python \w+\.py|supersampling \w+).*)$",
             page.read_text(),
             re.MULTILINE,
         )
@@ -30,7 +30,7 @@ COMMANDS = sorted(
 
 def parsed(command: str) -> tuple[str, bool, list[str]]:
     words = shlex.split(command.split("#")[0])
-    return words[1].removesuffix(".py"), "-m" in words, [w for w in words[2:] if w != "-m"]
+    return words[1].removesuffix(".py"), "-m" in words, [w for w in words[2:] if w not in ("-m", "--help")]
 
 
 def variants(override: str, multirun: bool) -> list[str]:

@@ -48,7 +48,7 @@ class Window(Upsampler[Any]):
 def expected(h, w):
     """Return the MACs of one frame in steady state, by row."""
     half = -(-h // 2) * -(-w // 2)
-    return {"stem": h * w * (8 * 3 * 9 + 4 * 8), "window": 3 * half * 6 * (4 // 2) * 25, "(the rest)": 2 * 7}
+    return {"stem": h * w * (8 * 3 * 9 + 4 * 8), "window": 3 * half * 6 * (4 // 2) * 25, "(its own)": 2 * 7}
 
 
 @pytest.mark.parametrize("device", ["meta", "cpu"])
@@ -57,14 +57,14 @@ def test_counts_are_the_formula(h, w, device):
     rows = {row.module: row for row in count_modules(Window(), w, h, device=device)}
     assert {name: row.macs for name, row in rows.items() if name != "total"} == expected(h, w)
     assert rows["total"].macs == sum(expected(h, w).values())
-    parameters = {"stem": 3 * 8 * 9 + 8 + 8 * 4, "window": 6 * 2 * 25 + 6, "(the rest)": 14}
+    parameters = {"stem": 3 * 8 * 9 + 8 + 8 * 4, "window": 6 * 2 * 25 + 6, "(its own)": 14}
     assert {name: row.parameters for name, row in rows.items() if name != "total"} == parameters
     assert rows["total"].parameters == sum(parameters.values())
 
 
 def test_deeper_rows():
     rows = {row.module: row for row in count_modules(Window(), 8, 6, depth=2)}
-    assert list(rows) == ["stem", "stem.0", "stem.2", "window", "(the rest)", "total"]
+    assert list(rows) == ["stem", "stem.0", "stem.2", "window", "(its own)", "total"]
     assert (rows["stem.0"].macs, rows["stem.2"].macs) == (48 * 216, 48 * 32)
     assert (rows["stem.0"].kind, rows["stem.0"].parameters) == ("Conv2d", 224)
 
