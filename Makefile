@@ -4,7 +4,7 @@ PIP_FLAGS ?=
 VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
-# The demo also renders real game content; STK=0 leaves its 628 MB download out.
+# The demo also renders real game content; STK=0 skips its download of 628 MB.
 STK ?= 1
 
 .PHONY: setup gl stk demo test test-all check bench clean
@@ -25,7 +25,7 @@ stk:
 	@$(PYTHON) scripts/system_packages.py supertuxkart-data
 
 demo: setup
-	@if [ "$(STK)" = 1 ]; then $(MAKE) --no-print-directory stk || echo "Going on with the built-in scenes alone."; fi
+	@if [ "$(STK)" = 1 ]; then $(MAKE) --no-print-directory stk || echo "Continuing with the built-in scenes only."; fi
 	$(BIN)/python train.py -m model=dlctus loss.theta=0.1,0.5
 	$(BIN)/python report.py
 	@echo
