@@ -7,8 +7,7 @@ import pandas as pd
 
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.runs.store import Store
-
-SUMMARY, PARTS = "summary.json", "contributions.json"
+from supersampling.runs.tables import CONTRIBUTIONS, SUMMARY
 
 
 def sheets(store: Store, experiment_id: str) -> list[Sheet]:
@@ -29,7 +28,7 @@ def sheets(store: Store, experiment_id: str) -> list[Sheet]:
 
 def _tables(store: Store, experiment_id: str) -> list[tuple[str, pd.DataFrame, pd.DataFrame]]:
     """Machine, summary and parts of the newest finished run of each scene and space."""
-    parts = {run.id: table for run, table in store.logged(experiment_id, "advice", PARTS)}
+    parts = {run.id: table for run, table in store.logged(experiment_id, "advice", CONTRIBUTIONS)}
     newest = {}
     for run, summary in store.logged(experiment_id, "advice", SUMMARY):
         if len(summary) and run.id in parts:

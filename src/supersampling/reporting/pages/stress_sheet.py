@@ -7,8 +7,8 @@ import pandas as pd
 
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.runs.store import Store
+from supersampling.runs.tables import STRESS
 
-TABLE = "stress.json"
 ROWS_A_SHEET = 34
 SHORT = {"float32": "f32", "bfloat16": "bf16", "float16": "f16"}
 APART = "recovery", "divergence"  # groups with tables of their own
@@ -20,7 +20,7 @@ GROWTH = {
 
 def sheets(store: Store, experiment_id: str) -> list[Sheet]:
     """Those of the newest finished stress run; none where there is no such run, or its table cannot be read."""
-    found = store.logged(experiment_id, "stress", TABLE)
+    found = store.logged(experiment_id, "stress", STRESS)
     if not found:
         return []
     run, table = found[-1]
