@@ -1,4 +1,4 @@
-"""Data set files of given buffers, and the searches' terms on made-up numbers."""
+"""Data set files with chosen buffers."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,8 +13,13 @@ from supersampling.frames import BUFFERS
 SCALE = 4
 
 
-def write_file(folder: Path, split: str, clips: list[Mapping[str, NDArray[np.float32]]], scene: str = "made") -> Path:
-    """A file of clips whose buffers are ``(T, h, w, C)`` each, the high ones 4 times as large."""
+def write_file(
+    folder: Path, split: str, clips: list[Mapping[str, NDArray[np.float32]]], scene: str = "synthetic"
+) -> Path:
+    """Write a file of clips and return its path.
+
+    Buffers are ``(T, h, w, C)``; those of high resolution are 4 times as high and wide.
+    """
     names = list(clips[0])
     frames, height, width = next(c.shape[:3] for n, c in clips[0].items() if BUFFERS[n].resolution == "low")
     size = (width * SCALE, height * SCALE)
@@ -40,7 +45,7 @@ def write_file(folder: Path, split: str, clips: list[Mapping[str, NDArray[np.flo
             for name, values in clip.items():
                 for image in values:
                     writer.add(name, image)
-    join_clips(path, spec, parts, frozenset(names), {"renderer": "made up"})
+    join_clips(path, spec, parts, frozenset(names), {"renderer": "synthetic"})
     for part in parts:
         part.unlink()
     return path

@@ -1,4 +1,4 @@
-"""The whole command on analytic clips, into a store of the test's own."""
+"""The whole command on analytic clips, with a separate store."""
 
 import subprocess
 import sys
@@ -19,9 +19,9 @@ from supersampling.training import job
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = [
-    "budget=smoke", "trainer.enable_progress_bar=false", "workers=0", "threads=1", "size=[8,8]", "frames=2", "rungs=[1,2]",
-    "seeds=1", "model/reproject=bilinear",
-]  # fmt: skip
+    *("budget=smoke", "trainer.enable_progress_bar=false", "workers=0", "threads=1", "size=[8,8]", "frames=2"),
+    *("rungs=[1,2]", "seeds=1", "model/reproject=bilinear"),
+]
 Run = Callable[..., None]
 
 
@@ -57,30 +57,26 @@ def runs(folder: Path, kind: str) -> list:
     return client.search_runs(["1"], f"tags.`ss.kind` = '{kind}'")
 
 
-def test_it_answers(advise: Run, data: list[str], folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_answer_is_printed_and_logged(
+    advise: Run, data: list[str], folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     advise("scene=analytic", *data, *SMALL)
-    told = capsys.readouterr().out
-    assert "Answer: accumulate=" in told
-    assert "python train.py --config-dir" in told
+    output = capsys.readouterr().out
+    assert "Answer: accumulate=" in output
+    assert "python train.py --config-dir" in output
     jobs = runs(folder, "job")
-    # The plane of these clips has one depth, so that dilation is not searched: two compositions, and the better of them again.
-    assert "dilate: none, not searched" in told
+    # The plane of these clips has one depth, so that dilation is not searched: two compositions, then the better one.
+    assert "dilate: none, not searched" in output
     assert 3 <= len(jobs) <= 4
     assert sum("ss.search" in run.data.tags for run in jobs) == 2
     (advice,) = runs(folder, "advice")
     client = MlflowClient(f"sqlite:///{folder}/mlflow.db")
     names = {artifact.path for artifact in client.list_artifacts(advice.info.run_id)}
-    assert {
-        "search.json",
-        "contributions.json",
-        "summary.json",
-        "buffers.json",
-        "facts.json",
-        "advice.yaml",
-    } <= names
+    assert {"search.json", "contributions.json", "reasons.json", "summary.json"} <= names
+    assert {"buffers.json", "facts.json", "advice.yaml"} <= names
 
 
-def test_repeated_it_trains_nothing_and_answers_the_same(advise: Run, data: list[str], folder: Path) -> None:
+def test_repeated_search_trains_nothing_and_gives_the_same_answer(advise: Run, data: list[str], folder: Path) -> None:
     path = folder / "outputs" / "advice" / "experiment" / "analytic_dlctus.yaml"
     before, jobs = path.read_text(), len(runs(folder, "job"))
     advise("scene=analytic", *data, *SMALL)
@@ -88,20 +84,17 @@ def test_repeated_it_trains_nothing_and_answers_the_same(advise: Run, data: list
     assert len(runs(folder, "job")) == jobs
 
 
-def test_the_answer_is_an_experiment_of_train(advise: Run, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is the very training that the last round did, so that train.py finds it; with another seed it trains."""
+def test_answer_is_an_experiment_of_train(advise: Run, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The experiment is the training of the last round, which train.py finds; another seed is a new training."""
     out = folder / "outputs" / "advice"
     content = yaml.safe_load((out / "experiment" / "analytic_dlctus.yaml").read_text())
     assert content["scene"] == "analytic"
-    where = [
-        f"paths.root={folder}",
-        f"hydra.searchpath=[file://{out},file://{ROOT}]",
-        "experiment=analytic_dlctus",
-    ]
+    paths = [f"paths.root={folder}", f"hydra.searchpath=[file://{out},file://{ROOT}]"]
     before = len(runs(folder, "job"))
     for seed, more in ((0, 0), (5, 1)):
-        given = [*where, f"seed={seed}", "threads=1", "workers=0", "baselines=[]", "metrics=fast"]
-        cfg = compose("train", [*given, "trainer.enable_progress_bar=false"], return_hydra_config=True)
+        overrides = [*paths, "experiment=analytic_dlctus", f"seed={seed}", "threads=1", "workers=0", "baselines=[]"]
+        overrides += ["metrics=fast", "trainer.enable_progress_bar=false"]
+        cfg = compose("train", overrides, return_hydra_config=True)
         HydraConfig.instance().set_config(cfg)
         with open_dict(cfg):
             del cfg["hydra"]
@@ -113,16 +106,17 @@ def test_the_answer_is_an_experiment_of_train(advise: Run, folder: Path, monkeyp
 @pytest.mark.parametrize(
     ("overrides", "message"),
     [
-        (["margin=0"], "margin=0 is not possible"),
-        (["margin=-1"], "margin=-1 is not possible"),
-        (["margin=much"], "margin=much is not possible"),
-        (["rungs=[2,1]"], "do not rise"),
-        (["rungs=[]"], "rungs="),
-        (["seeds=[1,1,1]"], "not one for each"),
-        (["steps=3"], "steps=3 is not possible: the first round of 2 compositions alone takes 4"),
-        (["steps=0"], "steps=0 is not possible"),
-        (["search=all"], "search=all is none of"),
-        (["size=[3]"], "size="),
+        (["margin=0"], "Invalid margin=0: use a positive number"),
+        (["margin=-1"], "Invalid margin=-1"),
+        (["margin=100"], "Invalid margin=100: use a number of dB below 100"),
+        (["margin=much"], "Invalid margin=much"),
+        (["rungs=[2,1]"], "Invalid rungs=[2, 1]: list epochs from the shortest"),
+        (["rungs=[]"], "Invalid rungs=[]: use a list of whole numbers"),
+        (["seeds=[1,1,1]"], "Invalid seeds=[1, 1, 1]: use one number of seeds per rung"),
+        (["steps=3"], "Invalid steps=3: the first round of 2 compositions takes 4"),
+        (["steps=0"], "Invalid steps=0"),
+        (["search=all"], "Invalid search=all: use halving or optuna"),
+        (["size=[3]"], "Invalid size=[3]"),
         (["walk=1"], "has 2 compositions, more than walk=1"),
         (["budget.crop=4096"], "None of the 2 compositions could be trained"),
         (["budget.crop=2"], "budget.crop=2 is not possible"),
@@ -134,21 +128,21 @@ def test_mistakes_are_one_sentence(advise: Run, data: list[str], overrides: list
         advise("scene=analytic", *data, *(o for o in SMALL if o.split("=")[0] not in replaced), *overrides)
 
 
-def test_a_scene_that_there_is_not(advise: Run) -> None:
-    with pytest.raises(Exception, match="no scene atlantis") as caught:
+def test_unknown_scene(advise: Run) -> None:
+    with pytest.raises(Exception, match="no scene atlantis") as error:
         advise("scene=atlantis", *SMALL)
-    assert isinstance(caught.value, UserError) or isinstance(caught.value.__cause__, UserError)
+    assert isinstance(error.value, UserError) or isinstance(error.value.__cause__, UserError)
 
 
 @pytest.mark.slow
-def test_optuna_proposes_and_goes_on(advise: Run, data: list[str], folder: Path) -> None:
+def test_optuna_proposes_and_continues(advise: Run, data: list[str], folder: Path) -> None:
     pytest.importorskip("optuna")
     import optuna
 
     more = ["search=optuna", "trials=3", "out=" + str(folder / "optuna")]
     advise("scene=analytic", *data, *SMALL, *more)
     jobs = len(runs(folder, "job"))
-    advise("scene=analytic", *data, *SMALL, *more)  # all trials were made
+    advise("scene=analytic", *data, *SMALL, *more)  # all trials exist
     assert len(runs(folder, "job")) == jobs
     (name,) = {
         s.study_name for s in optuna.get_all_study_summaries(f"sqlite:///{folder}/optuna/analytic_dlctus.optuna.db")
@@ -159,17 +153,9 @@ def test_optuna_proposes_and_goes_on(advise: Run, data: list[str], folder: Path)
 
 
 @pytest.mark.slow
-def test_the_printed_command_reads_the_answer(advise: Run, data: list[str], folder: Path) -> None:
+def test_printed_command_reads_the_answer(advise: Run, data: list[str], folder: Path) -> None:
     advise("scene=analytic", *data, *SMALL)
     out = folder / "outputs" / "advice"
-    said = [
-        sys.executable,
-        "train.py",
-        "--config-dir",
-        str(out),
-        "experiment=analytic_dlctus",
-        "--cfg",
-        "job",
-    ]
-    done = subprocess.run(said, cwd=ROOT, capture_output=True, text=True, timeout=300, check=True)
+    command = [sys.executable, "train.py", "--config-dir", str(out), "experiment=analytic_dlctus", "--cfg", "job"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300, check=True)
     assert yaml.safe_load(done.stdout)["scene"] == "analytic"

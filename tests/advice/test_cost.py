@@ -1,4 +1,4 @@
-"""What compositions cost: times that noise cannot order, bytes by hand, and what is remembered."""
+"""The cost of compositions: times under noise, bytes computed by hand, and the cache."""
 
 from pathlib import Path
 
@@ -6,22 +6,30 @@ import numpy as np
 import pytest
 
 from supersampling.advice import cost
-from supersampling.advice.cost import Cost, Remembered, Size, buffer_rows, bytes_of, frame_times, in_turns
+from supersampling.advice.cost import (
+    FrameTime,
+    Size,
+    TimeCache,
+    buffer_rows,
+    count_bytes,
+    measure_frame_times,
+    normalise_turns,
+)
 from supersampling.models.bicubic import Bicubic
 from supersampling.models.nearest import Nearest
 
 
-def test_a_turn_that_was_slow_for_all_changes_nothing() -> None:
-    own = np.array([1.0, 2.0, 3.0])
+def test_turn_that_is_slow_for_all_models_changes_nothing() -> None:
+    expected = np.array([1.0, 2.0, 3.0])
     load = np.array([1.0, 1.0, 7.0, 1.0, 30.0])
-    found = in_turns((own[:, None] * load).tolist())
-    assert [c.ms for c in found] == pytest.approx([1.0, 2.0, 3.0])
-    assert [c.high - c.low for c in found] == pytest.approx([0, 0, 0], abs=1e-9)
+    times = normalise_turns((expected[:, None] * load).tolist())
+    assert [c.ms for c in times] == pytest.approx([1.0, 2.0, 3.0])
+    assert [c.high - c.low for c in times] == pytest.approx([0, 0, 0], abs=1e-9)
 
 
-def test_every_model_is_timed() -> None:
-    found = frame_times([Nearest(2), Bicubic(2)], Size(8, 6), 3)
-    assert all(0 < c.low <= c.ms <= c.high for c in found)
+def test_all_models_are_timed() -> None:
+    times = measure_frame_times([Nearest(2), Bicubic(2)], Size(8, 6), 3)
+    assert all(0 < c.low <= c.ms <= c.high for c in times)
 
 
 @pytest.mark.parametrize(
@@ -35,10 +43,10 @@ def test_every_model_is_timed() -> None:
     ],
 )
 def test_bytes_of_a_frame(name: str, expected: int) -> None:
-    assert bytes_of(name, Size(480, 270), 4) == expected
+    assert count_bytes(name, Size(480, 270), 4) == expected
 
 
-def test_what_may_be_left_out() -> None:
+def test_buffer_rows() -> None:
     rows = buffer_rows({"color", "depth"}, {"color"}, Size(2, 2), 4, {"depth": 0.004})
     assert rows == [
         {"buffer": "color", "needed": True, "bytes": 12, "render_ms": None},
@@ -47,16 +55,16 @@ def test_what_may_be_left_out() -> None:
 
 
 def test_times_are_measured_once_and_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
+    measured = []
 
     def fake(models, size, frames):
-        asked.append(len(models))
-        return [Cost(len(asked) + k, 0.0, 9.0) for k in range(len(models))]
+        measured.append(len(models))
+        return [FrameTime(len(measured) + k, 0.0, 9.0) for k in range(len(models))]
 
-    monkeypatch.setattr(cost, "frame_times", fake)
+    monkeypatch.setattr(cost, "measure_frame_times", fake)
     path = tmp_path / "out" / "times.json"
-    first = Remembered(path).times(["a", "b"], [Nearest(2), Bicubic(2)], Size(4, 4), 1)
-    assert Remembered(path).times(["b", "a"], [Bicubic(2), Nearest(2)], Size(4, 4), 1) == first[::-1]
-    assert asked == [2]
-    Remembered(path).times(["a", "c"], [Nearest(2), Bicubic(2)], Size(4, 4), 1)  # one is new: all again
-    assert asked == [2, 2]
+    first = TimeCache(path).times(["a", "b"], [Nearest(2), Bicubic(2)], Size(4, 4), 1)
+    assert TimeCache(path).times(["b", "a"], [Bicubic(2), Nearest(2)], Size(4, 4), 1) == first[::-1]
+    assert measured == [2]
+    TimeCache(path).times(["a", "c"], [Nearest(2), Bicubic(2)], Size(4, 4), 1)  # One is new: all are measured again.
+    assert measured == [2, 2]

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from supersampling.reporting.pages.overview import Method
 from trade_cases import NO, candidate, clip_scores, run, timing
 
-from supersampling.reporting.pages.overview import Method
 from supersampling.reporting.trade.front import Candidate, Place, candidates, front, gap, places, plus
 from supersampling.runs.statistics import Estimate, paired_difference
 

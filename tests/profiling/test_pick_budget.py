@@ -3,10 +3,10 @@
 import math
 
 import pytest
+from supersampling.reporting.pages.overview import Method
 from trade_cases import NO, candidate, clip_scores, run, timing
 
 from supersampling.errors import UserError
-from supersampling.reporting.pages.overview import Method
 from supersampling.reporting.trade.front import Candidate, candidates
 from supersampling.reporting.trade.pick import Rendering, paired, sentences, upper, within_db, within_ms
 from supersampling.runs.statistics import Estimate

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from made_runs import made_run
-
 from supersampling.reporting.pages.claim_sheets import counts, long_form, rows
+
 from supersampling.reporting.papers.claims import Judged, choose_claim, judge, side
 from supersampling.reporting.papers.schema import Claim, Series
 from supersampling.reporting.settings import choose

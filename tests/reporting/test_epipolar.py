@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 from made_runs import made_run
 from PIL import Image
+from supersampling.reporting.pages.overview import Method
 
 from supersampling.reporting.figures.epipolar import WIDTH, epipolar_table
 from supersampling.reporting.figures.pictures import magnify
-from supersampling.reporting.pages.overview import Method
 
 
 def write(folder: Path, scene: str, image: np.ndarray, target: np.ndarray) -> None:

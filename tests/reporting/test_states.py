@@ -3,9 +3,9 @@ from pathlib import Path
 import numpy as np
 from made_runs import made_run
 from PIL import Image
+from supersampling.reporting.pages.overview import Method
 
 from supersampling.reporting.figures.states import state_tables
-from supersampling.reporting.pages.overview import Method
 
 
 def grey(path: Path, level: int) -> None:

@@ -9,7 +9,7 @@ from supersampling.models.base import Upsampler
 from supersampling.stages.gate import OPEN, SHUT, Gate, bias_at, setting_at
 from supersampling.stress.gates import GATES, hold
 
-# Stored tables name their rows so.
+# Stored tables use these names of rows.
 ROWS = {
     "bicubic": [],
     "dlctus": ["gate/o1 0", "gate/o1 1", "gate/accumulation 0", "gate/accumulation 1"],
@@ -32,7 +32,7 @@ def test_rows_of_each_model(entry, name):
     assert [gate.name for gate in GATES if gate.adjust(upsampler)] == ROWS[name]
 
 
-def test_every_declared_gate_is_a_row_of_some_model_and_declared_once():
+def test_declared_gates_are_unique_and_each_is_a_row_of_some_model():
     names = [gate.name for gate in GATES]
     assert sorted(names) == sorted({row for rows in ROWS.values() for row in rows})
 
@@ -59,7 +59,7 @@ class Gated(Upsampler):
         raise NotImplementedError
 
 
-def test_gates_of_a_model_and_of_its_stages_are_held_in_place():
+def test_gates_of_models_and_stages_are_held_in_place():
     model = Gated()
     rest = model.stage.conv.bias[2:].clone()
     assert hold(model, "gate/half")

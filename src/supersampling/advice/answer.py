@@ -1,4 +1,4 @@
-"""The answer of a search: a file for train.py, tables, and the run that keeps them."""
+"""The answer of a search: a file for train.py, tables, and the run that stores them."""
 
 import math
 from collections.abc import Sequence
@@ -12,22 +12,22 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from omegaconf import OmegaConf
 
 from supersampling.advice.contributions import Contribution
-from supersampling.advice.cost import Cost, Size
-from supersampling.advice.halving import Answer, Search
-from supersampling.advice.prior import Reason
-from supersampling.advice.prior import rows as reason_rows
-from supersampling.advice.space import Composition
+from supersampling.advice.cost import FrameTime, Size
+from supersampling.advice.halving import Decision, Halving
+from supersampling.advice.prior import Reason, reason_rows
+from supersampling.advice.space import ModelComposition
 from supersampling.advice.trainings import Trainings
 from supersampling.config import key_of
-from supersampling.runs import tags
+from supersampling.runs import tables, tags
 from supersampling.runs.experiment import Experiment
 from supersampling.runs.keys import Effect, effect_of
 
-SEED, SCENE = "seed", "scene"  # set by the search, and by the file itself
+SEED, SCENE = "seed", "scene"  # the search sets the seed, the file the scene
+CONTRIBUTION_COLUMNS = ["part", "against", "kept", "round", "pairs", "db", "low", "high", "ms"]
 
 
 def experiment_file(overrides: Sequence[str], scenes: Sequence[str]) -> str:
-    """An experiment of train.py that makes these overrides."""
+    """Return an experiment of train.py that sets these overrides."""
     groups: list[Any] = []
     values = OmegaConf.create({})
     loader = GlobalHydra.instance().config_loader()
@@ -46,75 +46,90 @@ def experiment_file(overrides: Sequence[str], scenes: Sequence[str]) -> str:
     return "# @package _global_\n" + OmegaConf.to_yaml(content) + "\n" + OmegaConf.to_yaml(values)
 
 
-@dataclass(frozen=True)
-class Found:
-    """All that a search was made of and gave."""
+@dataclass(frozen=True, kw_only=True)
+class SearchResult:
+    """The inputs and the results of a search; ``total`` counts the compositions of the whole space."""
 
     scene: str
     space: str
     margin: float
     size: Size
     total: int
-    compositions: Sequence[Composition]
-    costs: Sequence[Cost]
+    compositions: Sequence[ModelComposition]
+    costs: Sequence[FrameTime]
     reasons: Sequence[Reason]
     trainings: Trainings
-    search: Search
-    answer: Answer
-    parts: Sequence[Contribution]
+    halving: Halving
+    decision: Decision
+    contributions: Sequence[Contribution]
     buffers: Sequence[dict[str, Any]]
 
     @property
-    def chosen(self) -> Composition:
-        return self.compositions[self.answer.chosen]
+    def answer(self) -> ModelComposition:
+        """The selected composition."""
+        return self.compositions[self.decision.selected]
 
-    def steps_of(self, rung: int, candidate: int) -> int:
-        return self.trainings.composed(candidate, rung, 0).steps
+    @property
+    def unneeded_buffers(self) -> list[dict[str, Any]]:
+        """The rows of the buffers that the answer does not read."""
+        return [row for row in self.buffers if not row["needed"]]
+
+    def includes(self, contribution: Contribution) -> bool:
+        """Return whether the part of a contribution is in the answer."""
+        return self.answer.options.get(contribution.switch) == contribution.part
+
+    def overrides(self) -> list[str]:
+        """Return the overrides of the answer's training."""
+        rungs = self.trainings.rungs
+        return [*self.answer.overrides, *(o for o in rungs.overrides(rungs.last, 0) if key_of(o) != SEED)]
 
     def search_table(self) -> pd.DataFrame:
+        """Return one row per candidate and rung."""
         rows = [
             {
-                "round": step.rung + 1,
-                "steps": self.steps_of(step.rung, step.candidate),
-                "seeds": len(self.search.values[step.rung, step.candidate]),
-                "composition": self.compositions[step.candidate].name,
-                "ms": self.costs[step.candidate].ms,
-                "psnr": step.mean,
-                "loss": step.loss.mean,
-                "low": _plain(step.loss.low),
-                "high": _plain(step.loss.high),
-                "verdict": step.verdict,
+                "round": result.rung + 1,
+                "steps": self.trainings.steps_per_seed(result.candidate, result.rung),
+                "seeds": len(self.halving.values[result.rung, result.candidate]),
+                "composition": self.compositions[result.candidate].name,
+                "ms": self.costs[result.candidate].ms,
+                "psnr": result.mean,
+                "loss": result.loss.mean,
+                "low": _none_if_nan(result.loss.low),
+                "high": _none_if_nan(result.loss.high),
+                "verdict": result.verdict,
             }
-            for step in self.search.steps
+            for result in self.halving.results
         ]
         return pd.DataFrame(rows)
 
-    def parts_table(self) -> pd.DataFrame:
+    def contributions_table(self) -> pd.DataFrame:
+        """Return one row per contribution."""
         rows = [
             {
                 "part": f"{c.switch}={c.part}",
                 "against": c.without,
-                "kept": self.chosen.options.get(c.switch) == c.part,
+                "kept": self.includes(c),
                 "round": c.rung + 1,
                 "pairs": c.pairs,
-                "db": _plain(c.db.mean),
-                "low": _plain(c.db.low),
-                "high": _plain(c.db.high),
+                "db": _none_if_nan(c.db.mean),
+                "low": _none_if_nan(c.db.low),
+                "high": _none_if_nan(c.db.high),
                 "ms": c.ms,
             }
-            for c in self.parts
+            for c in self.contributions
         ]
-        return pd.DataFrame(rows, columns=["part", "against", "kept", "round", "pairs", "db", "low", "high", "ms"])
+        return pd.DataFrame(rows, columns=CONTRIBUTION_COLUMNS)
 
     def summary(self) -> dict[str, Any]:
-        """One row: the answer, and what it took."""
-        loss = self.answer.losses[self.answer.chosen]
-        last = len(self.trainings.rungs.epochs) - 1
-        seeds = self.trainings.rungs.seeds[last]
-        a_training = sum(self.steps_of(last, c) for c in range(len(self.compositions))) / len(self.compositions)
-        spent, minutes = self.trainings.spent, self.trainings.minutes
-        walk = round(self.total * seeds * a_training)
-        saved = [row for row in self.buffers if not row["needed"]]
+        """Return one row: the answer, and the effort of the search."""
+        decision, trainings = self.decision, self.trainings
+        loss = decision.losses[decision.selected]
+        count, last = len(self.compositions), trainings.rungs.last
+        seeds = trainings.rungs.seeds[last]
+        mean_steps = sum(trainings.steps_per_seed(c, last) for c in range(count)) / count
+        spent, minutes = trainings.spent, trainings.minutes
+        walk = round(self.total * seeds * mean_steps)
+        unneeded = self.unneeded_buffers
         return {
             "scene": self.scene,
             "space": self.space,
@@ -122,20 +137,20 @@ class Found:
             "margin": self.margin,
             "clips": loss.clips,
             "seeds": seeds,
-            "chosen": self.chosen.name,
-            "best": self.compositions[self.answer.best].name,
+            "chosen": self.answer.name,
+            "best": self.compositions[decision.best].name,
             "loss": loss.mean,
-            "low": _plain(loss.low),
-            "high": _plain(loss.high),
-            "ms": self.costs[self.answer.chosen].ms,
-            "best_ms": self.costs[self.answer.best].ms,
-            "unresolved": "; ".join(self.compositions[c].name for c in self.answer.open),
-            "left_out": ", ".join(row["buffer"] for row in saved),
-            "left_out_mb": sum(row["bytes"] for row in saved) / 1e6,
+            "low": _none_if_nan(loss.low),
+            "high": _none_if_nan(loss.high),
+            "ms": self.costs[decision.selected].ms,
+            "best_ms": self.costs[decision.best].ms,
+            "unresolved": "; ".join(self.compositions[c].name for c in decision.unresolved),
+            "left_out": ", ".join(row["buffer"] for row in unneeded),
+            "left_out_mb": sum(row["bytes"] for row in unneeded) / 1e6,
             "of_mb": sum(row["bytes"] for row in self.buffers) / 1e6,
             "compositions": self.total,
-            "searched": len(self.compositions),
-            "trainings": self.trainings.count,
+            "searched": count,
+            "trainings": trainings.count,
             "steps": spent,
             "minutes": minutes,
             "walk_trainings": self.total * seeds,
@@ -144,44 +159,40 @@ class Found:
         }
 
 
-def _plain(value: float) -> float | None:
+def _none_if_nan(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def log(experiment: Experiment, found: Found, dataset: str, facts: pd.DataFrame, text: str) -> str:
-    """A run of kind ``advice``; every table is an artifact. Returns its id."""
+def log_answer(experiment: Experiment, result: SearchResult, dataset: str, facts: pd.DataFrame, text: str) -> str:
+    """Log a run of kind ``advice``, with every table as an artifact; return its id."""
     run_tags = {
         tags.KIND: "advice",
         tags.DATASET: dataset,
-        tags.SCENE: found.scene,
-        tags.SPACE: found.space,
-        tags.METHOD: found.chosen.name,
+        tags.SCENE: result.scene,
+        tags.SPACE: result.space,
+        tags.METHOD: result.answer.name,
     }
-    run_id = experiment.start(f"advice {found.space} on {found.scene}", run_tags, None)
-    client = experiment.client
-    client.log_table(run_id, found.search_table(), "search.json")
-    client.log_table(run_id, found.parts_table(), "contributions.json")
-    client.log_table(run_id, pd.DataFrame(reason_rows(found.reasons)), "reasons.json")
-    client.log_table(run_id, pd.DataFrame(list(found.buffers)), "buffers.json")
-    client.log_table(run_id, facts, "facts.json")
-    client.log_table(run_id, pd.DataFrame([found.summary()]), "summary.json")
-    client.log_text(run_id, text, "advice.yaml")
+    run_id = experiment.start(f"advice {result.space} on {result.scene}", run_tags, None)
+    artifacts = {
+        tables.SEARCH: result.search_table(),
+        tables.CONTRIBUTIONS: result.contributions_table(),
+        tables.REASONS: pd.DataFrame(reason_rows(result.reasons)),
+        tables.BUFFERS: pd.DataFrame(list(result.buffers)),
+        tables.FACTS: facts,
+        tables.SUMMARY: pd.DataFrame([result.summary()]),
+    }
+    for name, table in artifacts.items():
+        experiment.client.log_table(run_id, table, name)
+    experiment.client.log_text(run_id, text, tables.ANSWER)
     experiment.finish(run_id)
     return run_id
 
 
-def write(text: str, out: Path, name: str) -> Path:
-    """The experiment file, whole or not at all."""
+def write_experiment(text: str, out: Path, name: str) -> Path:
+    """Write the experiment file, completely or not at all; return its path."""
     path = out / "experiment" / f"{name}.yaml"
     path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_suffix(".part")
-    beside.write_text(text, encoding="utf-8")
-    beside.replace(path)
+    partial = path.with_suffix(".part")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(path)
     return path
-
-
-def overrides_of(found: Found) -> list[str]:
-    """Those of the answer's training."""
-    last = len(found.trainings.rungs.epochs) - 1
-    own = [o for o in found.trainings.rungs.overrides(last, 0) if key_of(o) != "seed"]
-    return [*found.chosen.overrides, *own]

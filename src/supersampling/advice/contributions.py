@@ -1,4 +1,4 @@
-"""What each part of a model contributed on a scene: decibels and milliseconds, of the pairs that differ in it alone."""
+"""The contribution of each part of a model on a scene, in dB and ms, from pairs that differ in this part only."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,15 +7,16 @@ from itertools import pairwise
 import numpy as np
 
 from supersampling.advice.halving import Values
-from supersampling.advice.space import Composition, Space
+from supersampling.advice.space import ModelComposition, Space, Switch
 from supersampling.runs.statistics import Estimate, paired_difference
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Contribution:
-    """Of ``part`` against ``without``, two options of ``switch``, over ``pairs`` of compositions that differ in nothing else.
+    """The contribution of ``part`` against ``without``, two options of ``switch``.
 
-    ``db`` is how much better the part is, ``ms`` how much slower.
+    It is estimated from ``pairs`` of compositions that differ in nothing else. ``db`` is how much better the part is,
+    ``ms`` how much slower.
     """
 
     switch: str
@@ -27,45 +28,57 @@ class Contribution:
     ms: float
 
 
-def contributions(
+def estimate_contributions(
     space: Space,
-    compositions: Sequence[Composition],
+    compositions: Sequence[ModelComposition],
     values: Mapping[tuple[int, int], Values],
     costs: Sequence[float],
     scenes: Sequence[str],
 ) -> list[Contribution]:
-    """Of every option against the next plainer one, on every rung that has a pair.
+    """Return the contribution of every option against the next plainer one, on every rung that has a pair.
 
-    Pairs and seeds are resampled like seeds: how much a part brings beside different other parts is in its interval.
+    Pairs are resampled like seeds, so that the interval includes how much a contribution depends on the other parts.
     """
-    number = {tuple(c.options.items()): k for k, c in enumerate(compositions)}
     rungs = sorted({rung for rung, _ in values})
-    found = []
+    contributions = []
     for switch in space.switches:
-        names = list(switch.options)
-        for part, without in pairwise(names):
+        for part, without in pairwise(switch.options):
+            pairs = _pairs(compositions, switch, part, without)
             for rung in rungs:
-                pairs = [
-                    (k, other)
-                    for k, c in enumerate(compositions)
-                    if c.options[switch.name] == part
-                    and (other := number.get(tuple({**c.options, switch.name: without}.items()))) is not None
-                    and (rung, k) in values
-                    and (rung, other) in values
-                ]
-                if pairs:
-                    ahead = np.concatenate([_matched(values[rung, a], values[rung, b]) for a, b in pairs])
-                    db = paired_difference(ahead, np.zeros((1, ahead.shape[1])), np.asarray(scenes))
-                    ms = float(np.mean([costs[a] - costs[b] for a, b in pairs]))
-                    found.append(Contribution(switch.name, part, without, rung, len(pairs), db, ms))
-    return found
+                measured = [(a, b) for a, b in pairs if (rung, a) in values and (rung, b) in values]
+                if not measured:
+                    continue
+                lead = np.concatenate([_subtract(values[rung, a], values[rung, b]) for a, b in measured])
+                contributions.append(
+                    Contribution(
+                        switch=switch.name,
+                        part=part,
+                        without=without,
+                        rung=rung,
+                        pairs=len(measured),
+                        db=paired_difference(lead, np.zeros((1, lead.shape[1])), np.asarray(scenes)),
+                        ms=float(np.mean([costs[a] - costs[b] for a, b in measured])),
+                    )
+                )
+    return contributions
 
 
-def _matched(ours: Values, theirs: Values) -> Values:
-    count = min(len(ours), len(theirs))
-    return ours[:count] - theirs[:count]
+def _pairs(compositions: Sequence[ModelComposition], switch: Switch, part: str, without: str) -> list[tuple[int, int]]:
+    number = {tuple(c.options.items()): k for k, c in enumerate(compositions)}
+    pairs = []
+    for k, composition in enumerate(compositions):
+        plainer = number.get(tuple({**composition.options, switch.name: without}.items()))
+        if composition.options[switch.name] == part and plainer is not None:
+            pairs.append((k, plainer))
+    return pairs
 
 
-def latest(found: Sequence[Contribution]) -> list[Contribution]:
-    """Of each pair of options those of the last rung that has them."""
-    return list({(c.switch, c.part): c for c in sorted(found, key=lambda c: c.rung)}.values())
+def _subtract(first: Values, second: Values) -> Values:
+    """Return the difference of the seeds that both have."""
+    count = min(len(first), len(second))
+    return first[:count] - second[:count]
+
+
+def select_latest(contributions: Sequence[Contribution]) -> list[Contribution]:
+    """Return, for each pair of options, the contribution of the last rung that has it."""
+    return list({(c.switch, c.part): c for c in sorted(contributions, key=lambda c: c.rung)}.values())

@@ -1,4 +1,4 @@
-"""What a composition costs: milliseconds a frame in streaming use, and the buffers that it makes a renderer write."""
+"""The cost of a composition: milliseconds per frame in streaming use, and the buffers that a renderer must write."""
 
 import copy
 import hashlib
@@ -25,8 +25,8 @@ BYTES = {"uint8": 1, "uint16": 2, "float16": 2, "float32": 4}
 
 
 @dataclass(frozen=True)
-class Cost:
-    """Median milliseconds of a frame and its quartiles."""
+class FrameTime:
+    """The median time of a frame and its quartiles, in milliseconds."""
 
     ms: float
     low: float
@@ -41,8 +41,11 @@ class Size:
     height: int
 
 
-def frame_times(models: Sequence[Upsampler], size: Size, frames: int) -> list[Cost]:
-    """Every model in streaming use, on the device of a training, in turns, so that a noisy machine is noisy to all alike."""
+def measure_frame_times(models: Sequence[Upsampler], size: Size, frames: int) -> list[FrameTime]:
+    """Time all models in streaming use on the device of a training.
+
+    The models take turns, so that noise of the machine affects all of them alike.
+    """
     device = L.Fabric(accelerator="auto", devices=1).device
     options = LoadOptions(
         width=size.width, height=size.height, precision="float32", device=device, threads=torch.get_num_threads()
@@ -52,75 +55,78 @@ def frame_times(models: Sequence[Upsampler], size: Size, frames: int) -> list[Co
         inputs = distinct_frames(model, size.width, size.height, None, cache_size())
         streams.append(Streaming(Eager().load(copy.deepcopy(model), options), inputs, device))
         streams[-1].warm_up()
-    taken: list[list[float]] = [[] for _ in streams]
+    times: list[list[float]] = [[] for _ in streams]
     for _ in range(frames):
-        for times, stream in zip(taken, streams):
-            times += [1e3 * seconds for seconds in stream.time(1, math.inf)]
-    return in_turns(taken)
+        for model_times, stream in zip(times, streams):
+            model_times += [1e3 * seconds for seconds in stream.time(1, math.inf)]
+    return normalise_turns(times)
 
 
-def in_turns(taken: Sequence[Sequence[float]]) -> list[Cost]:
-    """Costs of times that were taken in turns, ``taken[model][turn]``: each against its turn's mean, times the median turn.
+def normalise_turns(times: Sequence[Sequence[float]]) -> list[FrameTime]:
+    """Return the frame times of ``times[model][turn]``: each relative to the mean of its turn, times the median turn.
 
-    What slowed a whole turn slows all of its models alike, and so changes no order.
+    A slow turn slows all of its models alike, and so does not change their order.
     """
-    turns = [statistics.fmean(turn) for turn in zip(*taken)]
-    usual = statistics.median(turns)
-    return [_cost([usual * time / turn for time, turn in zip(times, turns)]) for times in taken]
+    turns = [statistics.fmean(turn) for turn in zip(*times)]
+    median = statistics.median(turns)
+    return [_frame_time([median * time / turn for time, turn in zip(row, turns)]) for row in times]
 
 
-def _cost(times: Sequence[float]) -> Cost:
+def _frame_time(times: Sequence[float]) -> FrameTime:
     low, median, high = statistics.quantiles(times, n=4) if len(times) > 1 else [times[0]] * 3
-    return Cost(median, low, high)
+    return FrameTime(median, low, high)
 
 
-def key_of(model_config: Any, scale: int, size: Size, frames: int) -> str:
-    """16 hex digits of all that decides a composition's time, and how it is measured."""
+def cache_key(model_config: Any, scale: int, size: Size, frames: int) -> str:
+    """Return 16 hex digits that identify a composition's time: the model, how it is measured, and the machine."""
     content = [model_config, scale, asdict(size), frames, machine()]
     return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-class Remembered:
-    """Times of earlier commands, in a JSON file, so that a repeated search decides by the same numbers."""
+class TimeCache:
+    """Frame times of earlier commands in a JSON file, so that a repeated search decides by the same numbers."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._known: dict[str, Any] = json.loads(path.read_text()) if path.is_file() else {}
 
-    def times(self, keys: Sequence[str], models: Sequence[Upsampler], size: Size, frames: int) -> list[Cost]:
-        """Those of all ``models``: as they were measured, where all of them were by one command, else measured together."""
+    def times(self, keys: Sequence[str], models: Sequence[Upsampler], size: Size, frames: int) -> list[FrameTime]:
+        """Return the times of all models: from the file if one command measured all of them, otherwise measured now."""
         if not set(keys) <= self._known.keys():
-            found = frame_times(models, size, frames)
-            self._known = {key: asdict(cost) for key, cost in zip(keys, found)}
+            times = measure_frame_times(models, size, frames)
+            self._known = {key: asdict(time) for key, time in zip(keys, times)}
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._path.write_text(json.dumps(self._known, indent=1))
-        return [Cost(**self._known[key]) for key in keys]
+        return [FrameTime(**self._known[key]) for key in keys]
 
 
-def bytes_of(name: str, size: Size, scale: int) -> int:
-    """Bytes of a buffer of one frame, as it is stored."""
+def count_bytes(name: str, size: Size, scale: int) -> int:
+    """Return the bytes of a buffer of one frame, as it is stored."""
     buffer = BUFFERS[name]
     side = {"low": 1, "high": scale, "frame": 0}[buffer.resolution]
     pixels = size.width * size.height * side**2 or 1
     return buffer.channels * BYTES[buffer.dtype] * pixels
 
 
-def rendering(scene: str, path: str | None) -> dict[str, float]:
-    """Seconds that each rendered buffer takes by itself in a window of 256 x 256 target pixels of a scene, at a quarter."""
+def measure_rendering(scene: str, path: str | None) -> dict[str, float]:
+    """Return the seconds that each rendered buffer takes by itself.
+
+    In a window of 256 x 256 target pixels of the scene, at a quarter of the resolution.
+    """
     return {cost.name: cost.seconds for cost in costs(load_scene(scene, Path(path) if path else None))}
 
 
 def buffer_rows(
-    every: Iterable[str], needed: Iterable[str], size: Size, scale: int, seconds: dict[str, float]
+    names: Iterable[str], required: Iterable[str], size: Size, scale: int, seconds: dict[str, float]
 ) -> list[dict[str, Any]]:
-    """A row for each buffer that some composition reads: whether the chosen one does, its bytes, and its seconds if known."""
-    kept = frozenset(needed)
+    """Return one row per buffer that some composition reads: whether it is required, its bytes, and any known time."""
+    required = frozenset(required)
     return [
         {
             "buffer": name,
-            "needed": name in kept,
-            "bytes": bytes_of(name, size, scale),
+            "needed": name in required,
+            "bytes": count_bytes(name, size, scale),
             "render_ms": 1e3 * seconds[name] if name in seconds else None,
         }
-        for name in sorted(every)
+        for name in sorted(names)
     ]

@@ -1,4 +1,4 @@
-"""What a scene has, measured from its data set's files, and what its manifest says where the files do not hold it."""
+"""Facts about a scene, measured in the files of its data set, or read from its manifest if the files lack them."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,10 +16,10 @@ from supersampling.scenes.manifest import load_manifest
 from supersampling.stages.dilate import ClosestDepth
 
 Clip = Mapping[str, NDArray[np.float32]]
-Measure = Callable[[Clip, int], Iterator[float]]
-VARIES = 0.02  # of a material within a rendered pixel, relative to its largest value
-STANDS = 0.01  # target pixels
-APART = 0.1  # rendered pixels, as of the mask of dual motion vectors
+FrameValues = Callable[[Clip, int], Iterator[float]]
+TEXTURED = 0.02  # variation of a material within a rendered pixel, relative to its largest value
+STANDING = 0.01  # target pixels
+DILATED = 0.1  # rendered pixels, as in the mask of dual motion vectors
 GLOSSY = 0.4  # as in the manifests
 
 
@@ -41,7 +41,7 @@ def _largest_motion(clip: Clip, scale: int) -> Iterator[float]:
 def _standing(clip: Clip, scale: int) -> Iterator[float]:
     height, width = clip["motion"].shape[-2:]
     size = np.array((width, height), dtype=np.float32)[:, None, None] * scale
-    yield from (np.abs(clip["motion"] * size) < STANDS).all(axis=1).mean(axis=(1, 2))
+    yield from (np.abs(clip["motion"] * size) < STANDING).all(axis=1).mean(axis=(1, 2))
 
 
 def _new(clip: Clip, scale: int) -> Iterator[float]:
@@ -63,7 +63,7 @@ def _dilated(clip: Clip, scale: int) -> Iterator[float]:
     motion, depth = (torch.from_numpy(clip[name]) for name in ("motion", "depth"))
     height, width = motion.shape[-2:]
     offset = ClosestDepth()(motion, depth) - motion
-    yield from motion_mask(offset, (height, width), APART).mean(dim=(1, 2, 3)).tolist()
+    yield from motion_mask(offset, (height, width), DILATED).mean(dim=(1, 2, 3)).tolist()
 
 
 def _textured(clip: Clip, scale: int) -> Iterator[float]:
@@ -71,9 +71,9 @@ def _textured(clip: Clip, scale: int) -> Iterator[float]:
         channels, height, width = frame.shape
         blocks = frame.reshape(channels, height // scale, scale, width // scale, scale)
         high, low = blocks.max(axis=(2, 4)), blocks.min(axis=(2, 4))
-        surface = high.max(axis=0) > 0
-        varies = ((high - low) > VARIES * high).any(axis=0)
-        yield float(varies[surface].mean()) if surface.any() else 0.0
+        surface = high.max(axis=0) > 0  # the sky has no material
+        textured = ((high - low) > TEXTURED * high).any(axis=0)
+        yield float(textured[surface].mean()) if surface.any() else 0.0
 
 
 def _sky(clip: Clip, scale: int) -> Iterator[float]:
@@ -85,73 +85,126 @@ def _glossy(clip: Clip, scale: int) -> Iterator[float]:
     yield from ((clip["roughness"] < GLOSSY) & surface).sum(axis=(1, 2, 3)) / np.maximum(surface.sum(axis=(1, 2, 3)), 1)
 
 
-# name: (buffers, measure of every frame, how frames are put together, what it is)
-MEASURES: dict[str, tuple[tuple[str, ...], Measure, Callable[..., float], str]] = {
-    "largest_motion": (("motion",), _largest_motion, np.max, "largest motion, target pixels a frame"),
-    "standing_pixels": (("motion",), _standing, np.mean, "share of pixels that move by under 0.01 target pixels"),
-    "new_frames": (("color",), _new, np.mean, "share of rendered frames that differ from the one before"),
-    "jitters": (("jitter",), _jitters, np.max, "different jitters of a clip"),
-    "dual_pixels": (("motion", "motion_dual"), _dual, np.mean, "share of pixels in the mask of dual motion vectors"),
-    "dilated_pixels": (
-        ("motion", "depth"), _dilated, np.mean,
-        "share of pixels whose motion dilation changes by over a tenth of a rendered pixel",
+@dataclass(frozen=True, kw_only=True)
+class Measurement:
+    """The measurement of a fact: ``frames`` yields values of a clip's ``buffers``, ``combine`` reduces all of them."""
+
+    buffers: tuple[str, ...]
+    frames: FrameValues
+    combine: Callable[..., float]
+    about: str
+
+
+MEASUREMENTS = {
+    "largest_motion": Measurement(
+        buffers=("motion",),
+        frames=_largest_motion,
+        combine=np.max,
+        about="largest motion, target pixels per frame",
     ),
-    "textured_pixels": (
-        ("high_material",), _textured, np.mean, "share of rendered pixels within which the material varies by over 2%"
+    "standing_pixels": Measurement(
+        buffers=("motion",),
+        frames=_standing,
+        combine=np.mean,
+        about="share of pixels that move by less than 0.01 target pixels",
     ),
-    "sky_pixels": (("depth",), _sky, np.mean, "share of pixels of the sky"),
-    "glossy_pixels": (("roughness", "depth"), _glossy, np.mean, "share of surfaces with a roughness below 0.4"),
-}  # fmt: skip
-# A manifest's numbers that say something of the scene; the first two stand in for what the files may lack.
-FROM_MANIFEST = {
+    "new_frames": Measurement(
+        buffers=("color",),
+        frames=_new,
+        combine=np.mean,
+        about="share of rendered frames that differ from the previous one",
+    ),
+    "jitters": Measurement(
+        buffers=("jitter",),
+        frames=_jitters,
+        combine=np.max,
+        about="different jitters in a clip",
+    ),
+    "dual_pixels": Measurement(
+        buffers=("motion", "motion_dual"),
+        frames=_dual,
+        combine=np.mean,
+        about="share of pixels in the mask of dual motion vectors",
+    ),
+    "dilated_pixels": Measurement(
+        buffers=("motion", "depth"),
+        frames=_dilated,
+        combine=np.mean,
+        about="share of pixels whose motion changes by more than a tenth of a rendered pixel with dilation",
+    ),
+    "textured_pixels": Measurement(
+        buffers=("high_material",),
+        frames=_textured,
+        combine=np.mean,
+        about="share of rendered pixels within which the material varies by more than 2%",
+    ),
+    "sky_pixels": Measurement(
+        buffers=("depth",),
+        frames=_sky,
+        combine=np.mean,
+        about="share of sky pixels",
+    ),
+    "glossy_pixels": Measurement(
+        buffers=("roughness", "depth"),
+        frames=_glossy,
+        combine=np.mean,
+        about="share of surfaces with a roughness below 0.4",
+    ),
+}
+# Numbers of a manifest that describe the scene, for what the files do not show.
+MANIFEST_FACTS = {
     "moving_pixels": "share of pixels on moving objects",
     "disoccluded_pixels": "share of pixels that were hidden one frame before",
-    "speed_median": "median of the motion, target pixels of 1080p a frame",
+    "speed_median": "median of the motion, target pixels of 1080p per frame",
     "glossy_pixels": "share of surfaces with a roughness below 0.4",
-    "fine_texture_pixels": "share of surfaces whose albedo varies by over 20% within a 270p pixel",
-    "lighting_energy_ratio": "gradient energy of lighting over that of radiance",
-    "shadow_change_pixels": "share of standing surfaces where a shadow changes within 0.25 s",
-    "static_paths": "share of paths whose camera stands from beginning to end",
+    "fine_texture_pixels": "share of surfaces whose albedo varies by more than 20% within a 270p pixel",
+    "lighting_energy_ratio": "gradient energy of lighting relative to that of radiance",
+    "shadow_change_pixels": "share of static surfaces where a shadow changes within 0.25 s",
+    "static_paths": "share of paths whose camera never moves",
 }
 
 
-def measure(paths: Sequence[Path], scenes: Sequence[str]) -> dict[str, Fact]:
-    """Every fact that the files' buffers allow, over all of their frames, then those of the built-in scenes' manifests, of which
-    the largest counts."""
-    found: dict[str, list[float]] = defaultdict(list)
-    lacking: set[str] = set()
+def measure_facts(paths: Sequence[Path], scenes: Sequence[str]) -> dict[str, Fact]:
+    """Return the facts of a scene.
+
+    The built-in scenes' manifests come first, of which the largest number counts; then, in place of equal names, every
+    fact that the buffers of all files allow, over all of their frames.
+    """
+    values: dict[str, list[float]] = defaultdict(list)
+    missing: set[str] = set()
     for path in paths:
-        store = DatasetFile(path)
-        for name, (buffers, of_clip, _, _) in MEASURES.items():
-            if not store.buffers.issuperset(buffers):
-                lacking.add(name)
+        file = DatasetFile(path)
+        for name, measurement in MEASUREMENTS.items():
+            buffers = measurement.buffers
+            if not file.buffers.issuperset(buffers):
+                missing.add(name)
                 continue
-            late = store.spec.frames - store.spec.targets if buffers[0].startswith("high_") else 0
-            for index in range(store.clips):
-                clip = {buffer: store.read(buffer, index, slice(late, None)) for buffer in buffers}
-                found[name] += of_clip(clip, store.spec.scale)
-        store.close()
+            start = file.spec.frames - file.spec.targets if buffers[0].startswith("high_") else 0
+            for index in range(file.clips):
+                clip = {buffer: file.read(buffer, index, slice(start, None)) for buffer in buffers}
+                values[name] += measurement.frames(clip, file.spec.scale)
+        file.close()
     facts = {
-        name: Fact(float(put(found[name])), "files", about)
-        for name, (_, _, put, about) in MEASURES.items()
-        if found[name] and name not in lacking
+        name: Fact(float(measurement.combine(values[name])), "files", measurement.about)
+        for name, measurement in MEASUREMENTS.items()
+        if values[name] and name not in missing
     }
-    return _of_manifests(scenes) | facts
+    return _read_manifests(scenes) | facts
 
 
-def _of_manifests(scenes: Sequence[str]) -> dict[str, Fact]:
-    said: dict[str, list[float]] = defaultdict(list)
+def _read_manifests(scenes: Sequence[str]) -> dict[str, Fact]:
+    values: dict[str, list[float]] = defaultdict(list)
     for scene in scenes:
         try:
             measured = load_manifest(scene).measured
         except UserError:
             return {}
-        for name in FROM_MANIFEST:
+        for name in MANIFEST_FACTS:
             value = measured.get(name)
             if value is not None:
-                said[name].append(value)
+                values[name].append(value)
     return {
-        name: Fact(max(said[name]), "manifest", about)
-        for name, about in FROM_MANIFEST.items()
-        if len(said[name]) == len(scenes)
+        name: Fact(max(values[name]), "manifest", about)
+        for name, about in MANIFEST_FACTS.items()
+        if len(values[name]) == len(scenes)
     }

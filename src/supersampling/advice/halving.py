@@ -1,5 +1,7 @@
-"""Successive halving over training budgets (Jamieson and Talwalkar 2016, "Non-stochastic best arm identification"), in which
-nobody is dropped without evidence, and the answer by non-inferiority."""
+"""Successive halving over training budgets, and the decision by non-inferiority.
+
+Jamieson and Talwalkar 2016, "Non-stochastic best arm identification"; here no candidate is dropped without evidence.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -11,12 +13,12 @@ from supersampling.runs.statistics import Estimate, paired_difference
 
 Values = NDArray[np.float64]
 Score = Callable[[int, int], "Values | None"]
-"""``score(candidate, rung)``: a value for each seed and clip, ``(seeds, clips)``, of the same clips; None of one that failed."""
+"""``score(candidate, rung)``: one value per seed and clip, ``(seeds, clips)``, of the same clips; None if it failed."""
 
 
-@dataclass(frozen=True)
-class Step:
-    """What became of a candidate on a rung: its ``loss`` against the rung's best in dB, and the ``verdict``."""
+@dataclass(frozen=True, kw_only=True)
+class RungResult:
+    """The result of a candidate on a rung: its ``loss`` against the rung's best in dB, and the ``verdict``."""
 
     rung: int
     candidate: int
@@ -27,124 +29,144 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Search:
-    """Every step, and the values of every candidate on every rung that it reached."""
+class Halving:
+    """The results of all rungs, and the values of every candidate on every rung that it reached."""
 
-    steps: list[Step] = field(default_factory=list)
+    results: list[RungResult] = field(default_factory=list)
     values: dict[tuple[int, int], Values] = field(default_factory=dict)
 
     @property
-    def last(self) -> int:
+    def last_rung(self) -> int:
+        """The last rung that has values; -1 if none has."""
         return max((rung for rung, _ in self.values), default=-1)
 
     @property
-    def finalists(self) -> list[int]:
-        return [candidate for rung, candidate in self.values if rung == self.last]
+    def finalists(self) -> dict[int, Values]:
+        """The values of the candidates of the last rung."""
+        return {candidate: values for (rung, candidate), values in self.values.items() if rung == self.last_rung}
 
 
 @dataclass(frozen=True)
-class Answer:
-    """``chosen`` is the cheapest candidate whose loss against ``best`` lies within the margin by its interval's end; of several
-    that cost the same, the one of fewest parts. ``open`` are the cheaper ones of which the interval says neither."""
+class Decision:
+    """The candidate that is the answer.
+
+    ``selected`` is the cheapest candidate whose loss against ``best`` is within the margin by the end of its interval;
+    of several that cost the same, the one with the fewest parts. ``unresolved`` are the cheaper candidates whose
+    interval includes the margin.
+    """
 
     best: int
-    chosen: int
+    selected: int
     losses: dict[int, Estimate]
-    open: list[int]
+    unresolved: list[int]
 
 
-@dataclass(frozen=True)
-class Terms:
-    """What a search is made by: each candidate's ``cost``, the ``margin`` in dB, the clips' scenes, and ``room(rung)``: how many
-    trainings of a rung can be afforded. Costs are the same where their ``spread`` (quartiles) overlaps; ``parts`` is how much a
-    candidate has beyond the plainest."""
+@dataclass(frozen=True, kw_only=True)
+class Criteria:
+    """The criteria of a search.
+
+    Args:
+        cost: of each candidate.
+        margin: in dB.
+        scenes: the scene of each clip.
+        capacity: ``capacity(rung)`` is the number of candidates that can still be trained on a rung.
+        spread: the quartiles of each cost; costs whose quartiles overlap are equal.
+        parts: how many parts each candidate has beyond the plainest.
+    """
 
     cost: Sequence[float]
     margin: float
     scenes: Sequence[str]
-    room: Callable[[int], int]
+    capacity: Callable[[int], int]
     spread: Sequence[tuple[float, float]] = ()
     parts: Sequence[int] = ()
 
-    def cheaper(self, one: int, other: int) -> bool:
-        """Whether ``one`` costs less by more than the noise of both."""
+    def is_cheaper(self, first: int, second: int) -> bool:
+        """Return whether the first candidate costs less than the second by more than the noise of both."""
         if not self.spread:
-            return self.cost[one] < self.cost[other]
-        return self.spread[one][1] < self.spread[other][0]
+            return self.cost[first] < self.cost[second]
+        return self.spread[first][1] < self.spread[second][0]
 
 
-def loss_of(best: int, other: int, values: dict[int, Values], scenes: Sequence[str]) -> Estimate:
-    """How much ``other`` loses against ``best``, paired over clips; a candidate loses nothing against itself."""
-    if best == other:
+def estimate_loss(best: int, candidate: int, values: dict[int, Values], scenes: Sequence[str]) -> Estimate:
+    """Return the loss of a candidate against ``best``, paired over clips; it is 0 for the best itself."""
+    if best == candidate:
         clips = values[best].shape[1]
         return Estimate(0.0, 0.0, 0.0, clips, len(set(scenes)))
-    return paired_difference(values[best], values[other], np.asarray(scenes))
+    return paired_difference(values[best], values[candidate], np.asarray(scenes))
 
 
-def halve(candidates: Sequence[int], rungs: int, terms: Terms, score: Score) -> Search:
-    """Train all on the first rung; on the next go the better half, and of the others those that nothing speaks against.
+def halve(candidates: Sequence[int], rungs: int, criteria: Criteria, score: Score) -> Halving:
+    """Train all candidates on the first rung; promote the better half, and the others with no evidence against them.
 
-    A candidate of the lower half is dropped if its interval says that it is worse than the rung's best by more than the margin,
-    or that one which costs no more is better. Where that leaves more than can be afforded, the lowest means wait.
+    A candidate of the lower half is dropped if its interval says that it is worse than the rung's best by more than the
+    margin, or that a candidate which costs no more is better. If more remain than can be afforded, those with the
+    lowest means are dropped.
     """
-    search = Search()
-    alive = list(candidates)
+    halving = Halving()
+    promoted = list(candidates)
     for rung in range(rungs):
-        values = {c: v for c in alive if (v := score(c, rung)) is not None}
+        values = {c: v for c in promoted if (v := score(c, rung)) is not None}
         if not values:
             break
-        search.values.update({(rung, c): v for c, v in values.items()})
+        halving.values.update({(rung, c): v for c, v in values.items()})
         ranked = sorted(values, key=lambda c: -float(values[c].mean()))
-        left = terms.room(rung + 1) if rung + 1 < rungs else len(ranked)
-        alive = []
+        final = rung + 1 == rungs
+        capacity = len(ranked) if final else criteria.capacity(rung + 1)
+        promoted = []
         for place, candidate in enumerate(ranked):
-            loss = loss_of(ranked[0], candidate, values, terms.scenes)
-            verdict, goes_on = _verdict(place, candidate, ranked, values, loss, terms)
-            if goes_on and len(alive) >= left:
+            loss = estimate_loss(ranked[0], candidate, values, criteria.scenes)
+            verdict, goes_on = _judge(place, ranked, values, loss, criteria)
+            if goes_on and len(promoted) >= capacity:
                 verdict, goes_on = f"{verdict}, but no steps are left for it", False
             if goes_on:
-                alive.append(candidate)
-            final = rung + 1 == rungs
-            search.steps.append(
-                Step(
-                    rung,
-                    candidate,
-                    float(values[candidate].mean()),
-                    loss,
-                    "last rung" if final else verdict,
-                    goes_on,
+                promoted.append(candidate)
+            halving.results.append(
+                RungResult(
+                    rung=rung,
+                    candidate=candidate,
+                    mean=float(values[candidate].mean()),
+                    loss=loss,
+                    verdict="last rung" if final else verdict,
+                    goes_on=goes_on,
                 )
             )
-        if not alive:
+        if not promoted:
             break
-    return search
+    return halving
 
 
-def _verdict(
-    place: int, candidate: int, ranked: list[int], values: dict[int, Values], loss: Estimate, terms: Terms
+def _judge(
+    place: int, ranked: list[int], values: dict[int, Values], loss: Estimate, criteria: Criteria
 ) -> tuple[str, bool]:
     if place < (len(ranked) + 1) // 2:
         return "better half", True
-    if loss.low > terms.margin:
+    if loss.low > criteria.margin:
         return "worse by more than the margin", False
-    for other in ranked[:place]:
-        ahead = loss_of(other, candidate, values, terms.scenes)
-        if terms.cost[other] <= terms.cost[candidate] and ahead.low > 0:
+    candidate = ranked[place]
+    for better in ranked[:place]:
+        lead = estimate_loss(better, candidate, values, criteria.scenes)
+        if criteria.cost[better] <= criteria.cost[candidate] and lead.low > 0:
             return "one that costs no more is better", False
     return "not resolved", True
 
 
-def decide(values: dict[int, Values], terms: Terms) -> Answer:
-    """The cheapest candidate that is not inferior to the best by more than the margin; ``values`` are of the last rung."""
+def decide(values: dict[int, Values], criteria: Criteria) -> Decision:
+    """Select the cheapest candidate that is not inferior to the best by more than the margin.
+
+    Args:
+        values: of the candidates of the last rung.
+    """
     best = max(values, key=lambda c: float(values[c].mean()))
-    losses = {c: loss_of(best, c, values, terms.scenes) for c in values}
-    fit = [c for c, loss in losses.items() if loss.high <= terms.margin]
-    cheapest = min(fit, key=lambda c: terms.cost[c])
-    alike = [c for c in fit if not terms.cheaper(cheapest, c)]
-    chosen = min(alike, key=lambda c: (terms.parts[c] if terms.parts else 0, terms.cost[c], losses[c].mean))
-    open_ = [
+    losses = {c: estimate_loss(best, c, values, criteria.scenes) for c in values}
+    within_margin = [c for c, loss in losses.items() if loss.high <= criteria.margin]
+    cheapest = min(within_margin, key=lambda c: criteria.cost[c])
+    equal = [c for c in within_margin if not criteria.is_cheaper(cheapest, c)]
+    parts = criteria.parts or [0] * (max(equal) + 1)
+    selected = min(equal, key=lambda c: (parts[c], criteria.cost[c], losses[c].mean))
+    unresolved = [
         c
         for c, loss in losses.items()
-        if terms.cheaper(c, chosen) and not loss.high <= terms.margin and not loss.low > terms.margin
+        if criteria.is_cheaper(c, selected) and not loss.high <= criteria.margin and not loss.low > criteria.margin
     ]
-    return Answer(best, chosen, losses, sorted(open_, key=lambda c: terms.cost[c]))
+    return Decision(best, selected, losses, sorted(unresolved, key=lambda c: criteria.cost[c]))

@@ -1,53 +1,62 @@
-"""Which switches are worth a search on a scene, each with its reason and how it was checked."""
+"""The switches that are worth a search on a scene, each with its reason and the evidence for it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from supersampling.advice.facts import Fact
-from supersampling.advice.space import Composition, Rule, Space, Switch
+from supersampling.advice.space import ModelComposition, Rule, Space, Switch
 
-Reads = Callable[[Composition], frozenset[str]]
+BuffersOf = Callable[[ModelComposition], frozenset[str]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Reason:
-    """A switch, whether it is searched or left at its plainest option, and why."""
+    """A switch, whether it is searched, the options that remain, the reason, and how the reason was checked."""
 
     switch: str
-    tried: bool
-    kept: str
-    why: str
-    checked: str
+    searched: bool
+    options: str
+    text: str
+    check: str
 
 
 def prune(space: Space, facts: Mapping[str, Fact]) -> tuple[Space, list[Reason]]:
-    """The space without what cannot matter on a scene of these ``facts``.
+    """Return the space without the switches that cannot matter on a scene with these ``facts``, and the reasons.
 
-    A rule holds by what the files' own buffers say: a fact that is unknown, or a manifest's, leaves a switch to the search.
+    Only facts that were measured in the files decide: a switch whose fact is unknown or from a manifest is searched.
     """
     reasons = []
     for switch in space.switches:
         rule = next((r for r in switch.rules if _holds(r, facts)), None)
         if rule is not None and len(switch.options) > 1:
-            space = space.with_only(switch.name, [switch.plainest])
-            reasons.append(_left_out(switch, rule, facts[rule.fact]))
+            space = space.restrict(switch.name, [switch.plainest])
+            reasons.append(_explain_pruned(switch, rule, facts[rule.fact]))
         else:
-            reasons.append(_tried(switch, facts))
+            reasons.append(_explain_searched(switch, facts))
     return space, reasons
 
 
-def within(space: Space, held: frozenset[str], reads: Reads) -> tuple[Space, list[Reason]]:
-    """The space without the options that read a buffer which a user's files do not hold."""
+def restrict_to_buffers(space: Space, available: frozenset[str], buffers_of: BuffersOf) -> tuple[Space, list[Reason]]:
+    """Return the space without the options that read a buffer which a user's files do not have, and the reasons."""
     plain = {switch.name: switch.plainest for switch in space.switches}
     reasons = []
     for switch in space.switches:
-        lacking = {o: sorted(reads(space.compose({**plain, switch.name: o})) - held) for o in switch.options}
-        kept = [o for o, names in lacking.items() if not names]
-        if kept and len(kept) < len(lacking):
-            space = space.with_only(switch.name, kept)
-            names = sorted({n for lacks in lacking.values() for n in lacks})
-            why = f"the files do not hold {', '.join(names)}"
-            reasons.append(Reason(switch.name, len(kept) > 1, " or ".join(kept), why, "in the files"))
+        missing = {
+            option: buffers_of(space.compose({**plain, switch.name: option})) - available for option in switch.options
+        }
+        options = [option for option, names in missing.items() if not names]
+        if options and len(options) < len(missing):
+            space = space.restrict(switch.name, options)
+            names = sorted(frozenset[str]().union(*missing.values()))
+            reasons.append(
+                Reason(
+                    switch=switch.name,
+                    searched=len(options) > 1,
+                    options=" or ".join(options),
+                    text=f"the files do not have {', '.join(names)}",
+                    check="in the files",
+                )
+            )
     return space, reasons
 
 
@@ -56,41 +65,44 @@ def _holds(rule: Rule, facts: Mapping[str, Fact]) -> bool:
     return fact is not None and fact.source == "files" and fact.value <= rule.at_most
 
 
-def _left_out(switch: Switch, rule: Rule, fact: Fact) -> Reason:
-    exact = (
-        "in every frame"
-        if fact.value == 0 or rule.at_most >= 1
-        else f"but for {fact.value:.2g}, up to {rule.at_most:g}"
-    )
+def _explain_pruned(switch: Switch, rule: Rule, fact: Fact) -> Reason:
+    exact = fact.value == 0 or rule.at_most >= 1
+    extent = "in every frame" if exact else f"except for {fact.value:.2g}, at most {rule.at_most:g}"
     return Reason(
-        switch.name,
-        False,
-        switch.plainest,
-        f"{rule.because} ({exact})",
-        f"{rule.fact}={fact.value:.3g} in the files",
+        switch=switch.name,
+        searched=False,
+        options=switch.plainest,
+        text=f"{rule.because} ({extent})",
+        check=f"{rule.fact}={fact.value:.3g} in the files",
     )
 
 
-def _tried(switch: Switch, facts: Mapping[str, Fact]) -> Reason:
+def _explain_searched(switch: Switch, facts: Mapping[str, Fact]) -> Reason:
     known = [f"{r.fact}={facts[r.fact].value:.3g}" for r in switch.rules if r.fact in facts]
     unknown = [r.fact for r in switch.rules if r.fact not in facts]
-    why = "nothing known of the scene decides it"
+    text = "no known fact of the scene decides it"
     if known:
-        why = f"it may matter: {', '.join(known)}"
+        text = f"it may matter: {', '.join(known)}"
     elif unknown:
-        why = f"the files do not tell {', '.join(unknown)}"
-    return Reason(switch.name, len(switch.options) > 1, " or ".join(switch.options), why, "by the search")
+        text = f"the files do not show {', '.join(unknown)}"
+    return Reason(
+        switch=switch.name,
+        searched=len(switch.options) > 1,
+        options=" or ".join(switch.options),
+        text=text,
+        check="by the search",
+    )
 
 
-def rows(reasons: Sequence[Reason]) -> list[dict[str, str]]:
-    """As a table."""
+def reason_rows(reasons: Sequence[Reason]) -> list[dict[str, str]]:
+    """Return one row of the table per reason."""
     return [
         {
-            "switch": r.switch,
-            "options": r.kept,
-            "searched": "yes" if r.tried else "no",
-            "why": r.why,
-            "checked": r.checked,
+            "switch": reason.switch,
+            "options": reason.options,
+            "searched": "yes" if reason.searched else "no",
+            "why": reason.text,
+            "checked": reason.check,
         }
-        for r in reasons
+        for reason in reasons
     ]

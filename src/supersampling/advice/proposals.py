@@ -1,22 +1,24 @@
-"""Which compositions of a space too large to walk are tried: Optuna's multi-objective TPE, quality and time at once.
+"""Proposals of compositions in a space too large to walk: Optuna's multi-objective TPE, for quality and time at once.
 
-Hydra's Optuna sweeper (1.3) pins Optuna 2, whose database does not open beside the SQLAlchemy 2 that MLflow brings; without a
-database a search could not be taken up again. So Optuna itself is called.
+Hydra's Optuna sweeper (1.3) pins Optuna 2, whose database does not work with the SQLAlchemy 2 that MLflow requires, and
+without a database a stopped search could not continue. So Optuna is called directly.
 """
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from supersampling.advice.space import Composition, Space
+from supersampling.advice.space import ModelComposition, Space
 from supersampling.errors import UserError
 
 SEED = 0
-Try = Callable[[Composition], "tuple[float, float] | None"]
-"""Mean quality in dB and milliseconds of a composition, or None of one that failed."""
+Evaluate = Callable[[ModelComposition], "tuple[float, float] | None"]
+"""Returns the mean quality in dB and the relative time of a composition, or None if it failed."""
 
 
-def propose(space: Space, trials: int, storage: Path, name: str, attempt: Try) -> list[Composition]:
-    """The compositions that Optuna tried, in its order, each once; ``storage`` remembers them, so that a stopped search goes on.
+def propose(space: Space, trials: int, storage: Path, name: str, evaluate: Evaluate) -> list[ModelComposition]:
+    """Return the compositions that Optuna tried, in its order, each once.
+
+    The database ``storage`` keeps them, so that a stopped search continues.
 
     Raises:
         UserError: Optuna is not installed.
@@ -25,7 +27,7 @@ def propose(space: Space, trials: int, storage: Path, name: str, attempt: Try) -
         import optuna
     except ImportError as error:
         raise UserError(
-            "search=optuna needs Optuna: pip install 'supersampling[advise]', or use search=halving."
+            "search=optuna needs Optuna: run pip install 'supersampling[advise]', or use search=halving."
         ) from error
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     storage.parent.mkdir(parents=True, exist_ok=True)
@@ -35,25 +37,27 @@ def propose(space: Space, trials: int, storage: Path, name: str, attempt: Try) -
         directions=["maximize", "minimize"],
         load_if_exists=True,
     )
-    left = trials - sum(trial.state.is_finished() for trial in study.trials)
-    for _ in range(max(left, 0)):
-        # Seeded by the trial's number: a search that was stopped proposes what it would have.
-        study.sampler = optuna.samplers.TPESampler(seed=SEED + len(study.trials), n_startup_trials=_start(space))
+    remaining = trials - sum(trial.state.is_finished() for trial in study.trials)
+    for _ in range(max(remaining, 0)):
+        # Seeded by the number of the trial, so that a search that was stopped proposes the same compositions.
+        study.sampler = optuna.samplers.TPESampler(
+            seed=SEED + len(study.trials), n_startup_trials=_count_random_trials(space)
+        )
         trial = study.ask()
         options = space.settle({s.name: trial.suggest_categorical(s.name, list(s.options)) for s in space.switches})
-        found = attempt(space.compose(options))
-        if found is None:
+        result = evaluate(space.compose(options))
+        if result is None:
             study.tell(trial, state=optuna.trial.TrialState.FAIL)
         else:
-            study.tell(trial, found)
-    return _tried(space, [trial.params for trial in study.trials if trial.params])
+            study.tell(trial, result)
+    return _unique_compositions(space, [trial.params for trial in study.trials if trial.params])
 
 
-def _start(space: Space) -> int:
-    """Random trials before the model: each option of the widest switch a few times."""
+def _count_random_trials(space: Space) -> int:
+    """Return the number of random trials before the model is used: a few for each option of the widest switch."""
     return 3 * max(len(switch.options) for switch in space.switches)
 
 
-def _tried(space: Space, params: Sequence[dict[str, str]]) -> list[Composition]:
-    found = [space.compose(space.settle({s.name: given[s.name] for s in space.switches})) for given in params]
-    return list({composition.name: composition for composition in found}.values())
+def _unique_compositions(space: Space, params: Sequence[dict[str, str]]) -> list[ModelComposition]:
+    options = [space.settle({s.name: trial[s.name] for s in space.switches}) for trial in params]
+    return list({c.name: c for c in map(space.compose, options)}.values())

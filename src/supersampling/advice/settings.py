@@ -2,21 +2,23 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from omegaconf import DictConfig, OmegaConf
 
+from supersampling import settings
 from supersampling.advice.cost import Size
 from supersampling.advice.space import Space, read_space
 from supersampling.advice.trainings import Rungs
+from supersampling.config import group_options
 from supersampling.errors import UserError
 
 SEARCHES = ("halving", "optuna")
+LARGEST_MARGIN = 100.0  # dB
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What a search is made by; ``steps`` is None without a limit."""
+    """The settings of a search; ``steps`` is None without a limit."""
 
     space: Space
     margin: float
@@ -32,59 +34,49 @@ class Settings:
     out: Path
 
 
-def settings_of(cfg: DictConfig) -> Settings:
-    """Those of a configuration.
+def read_settings(cfg: DictConfig) -> Settings:
+    """Return the settings of a configuration.
 
     Raises:
-        UserError: one that is not possible.
+        UserError: a setting is invalid.
     """
-    margin = cfg.margin
-    if isinstance(margin, bool) or not isinstance(margin, (int, float)) or not 0 < margin < 100:
-        raise UserError(
-            f"margin={margin} is not possible: say how many dB, above 0, the answer may be worse than the best."
-        )
-    if cfg.search not in SEARCHES:
-        raise UserError(f"search={cfg.search} is none of {', '.join(SEARCHES)}.")
-    epochs, seeds = _whole(cfg, "rungs"), _whole(cfg, "seeds")
-    if list(epochs) != sorted(set(epochs)):
-        raise UserError(f"rungs={list(epochs)} do not rise: give epochs from the shortest to the longest.")
-    if len(seeds) == 1:
-        seeds *= len(epochs)
-    if len(seeds) != len(epochs):
-        raise UserError(f"seeds={list(seeds)} are not one for each of rungs={list(epochs)}: give as many.")
+    if settings.positive(cfg, "margin") >= LARGEST_MARGIN:
+        raise UserError(f"Invalid margin={cfg.margin}: use a number of dB below {LARGEST_MARGIN:g}.")
     if OmegaConf.select(cfg, "among") is None:
         raise UserError(
-            "This model has no space of its own: set among=dlctus, nsrr, nsrd, enss or models, or write one into conf/among/."
+            f"This model has no space of its own: set among to {', '.join(group_options('among'))}, or write a space "
+            "into conf/among/."
         )
-    size = _whole(cfg, "size")
-    if len(size) != 2 or max(size) > 2**15:
-        raise UserError(f"size={list(size)} is not possible: use [width,height] of the low-resolution input in pixels.")
     return Settings(
-        read_space(OmegaConf.to_container(cfg.among, resolve=True)),
-        float(margin),
-        Rungs(epochs, seeds),
-        None if cfg.steps is None else _count(cfg, "steps"),
-        str(cfg.search),
-        _count(cfg, "trials"),
-        _count(cfg, "walk"),
-        bool(cfg.prune),
-        Size(*size),
-        _count(cfg, "frames"),
-        bool(cfg.render_costs),
-        Path(cfg.out),
+        space=read_space(OmegaConf.to_container(cfg.among, resolve=True)),
+        margin=float(cfg.margin),
+        rungs=_read_rungs(cfg),
+        steps=None if cfg.steps is None else settings.whole(cfg, "steps"),
+        search=settings.choice(cfg, "search", SEARCHES),
+        trials=settings.whole(cfg, "trials"),
+        walk=settings.whole(cfg, "walk"),
+        prune=bool(cfg.prune),
+        size=Size(*settings.size(cfg.size, "size")),
+        frames=settings.whole(cfg, "frames"),
+        render_costs=bool(cfg.render_costs),
+        out=Path(cfg.out),
     )
 
 
-def _count(cfg: DictConfig, key: str) -> int:
+def _read_rungs(cfg: DictConfig) -> Rungs:
+    epochs, seeds = _whole_numbers(cfg, "rungs"), _whole_numbers(cfg, "seeds")
+    if list(epochs) != sorted(set(epochs)):
+        raise UserError(f"Invalid rungs={list(epochs)}: list epochs from the shortest to the longest training.")
+    if len(seeds) == 1:
+        seeds *= len(epochs)
+    if len(seeds) != len(epochs):
+        raise UserError(f"Invalid seeds={list(seeds)}: use one number of seeds per rung of rungs={list(epochs)}.")
+    return Rungs(epochs, seeds)
+
+
+def _whole_numbers(cfg: DictConfig, key: str) -> tuple[int, ...]:
     value = cfg[key]
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise UserError(f"{key}={value} is not possible: use a whole number from 1 up.")
-    return value
-
-
-def _whole(cfg: DictConfig, key: str) -> tuple[int, ...]:
-    given: Any = OmegaConf.to_container(cfg)[key]  # type: ignore[index, call-overload]
-    values = given if isinstance(given, list) else [given]
-    if not values or any(isinstance(v, bool) or not isinstance(v, int) or v < 1 for v in values):
-        raise UserError(f"{key}={given} is not possible: use a list of whole numbers from 1 up.")
-    return tuple(values)
+    numbers = tuple(value) if OmegaConf.is_list(value) else (value,)
+    if not numbers or any(isinstance(n, bool) or not isinstance(n, int) or n < 1 for n in numbers):
+        raise UserError(f"Invalid {key}={list(numbers)}: use a list of whole numbers of at least 1.")
+    return numbers

@@ -1,4 +1,4 @@
-"""What is searched: a model's switches and their options, and every composition of them."""
+"""The space of a search: a model's switches with their options, and every composition of them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,7 +11,7 @@ from supersampling.errors import UserError
 
 @dataclass(frozen=True)
 class Rule:
-    """When a switch cannot matter: its ``fact`` is at most ``at_most``; ``because`` says why."""
+    """A condition under which a switch cannot matter: ``fact`` is at most ``at_most``; ``because`` gives the reason."""
 
     fact: str
     at_most: float
@@ -20,9 +20,10 @@ class Rule:
 
 @dataclass(frozen=True)
 class Switch:
-    """A part that can be swapped: its options' overrides by name, the fullest first, the plainest last.
+    """A part that can be exchanged.
 
-    Beside one of the options ``unless`` of other switches it is idle.
+    ``options`` are the overrides of each option by name, from the fullest to the plainest. A switch is idle if another
+    switch has its option of ``unless``.
     """
 
     name: str
@@ -31,97 +32,108 @@ class Switch:
     unless: Mapping[str, str] = field(default_factory=dict)
 
     @property
+    def fullest(self) -> str:
+        """The name of the first option."""
+        return next(iter(self.options))
+
+    @property
     def plainest(self) -> str:
+        """The name of the last option."""
         return list(self.options)[-1]
 
 
 @dataclass(frozen=True)
-class Composition:
-    """One option of every switch."""
+class ModelComposition:
+    """One option per switch, and the overrides that select them."""
 
     options: Mapping[str, str]
     overrides: tuple[str, ...]
 
     @property
     def name(self) -> str:
+        """The options as text."""
         return " ".join(f"{switch}={option}" for switch, option in self.options.items()) or "the model"
 
 
 @dataclass(frozen=True)
 class Space:
-    """A name, what all compositions share, and the switches."""
+    """A name, the overrides that all compositions share, and the switches."""
 
     name: str
     recipe: tuple[str, ...]
     switches: tuple[Switch, ...]
 
-    def compositions(self) -> list[Composition]:
-        """All of them, the one of the fullest options first; an idle switch keeps its plainest option."""
-        made = []
+    def compositions(self) -> list[ModelComposition]:
+        """Return all compositions, the fullest first; an idle switch has its plainest option only."""
+        compositions = []
         for names in product(*(switch.options for switch in self.switches)):
-            chosen = {switch.name: name for switch, name in zip(self.switches, names)}
-            if chosen == self.settle(chosen):
-                made.append(self.compose(chosen))
-        return made
+            options = {switch.name: name for switch, name in zip(self.switches, names)}
+            if options == self.settle(options):
+                compositions.append(self.compose(options))
+        return compositions
 
     def settle(self, options: Mapping[str, str]) -> dict[str, str]:
-        """The options with every idle switch at its plainest."""
+        """Return the options with every idle switch at its plainest option."""
         settled = dict(options)
         for switch in self.switches:
-            if any(settled.get(other) == option for other, option in switch.unless.items()):
+            if any(settled.get(name) == option for name, option in switch.unless.items()):
                 settled[switch.name] = switch.plainest
         return settled
 
-    def compose(self, options: Mapping[str, str]) -> Composition:
-        own = [o for switch in self.switches for o in switch.options[options[switch.name]]]
-        return Composition(dict(options), tuple(merged([*self.recipe, *own])))
+    def compose(self, options: Mapping[str, str]) -> ModelComposition:
+        """Return the composition of one option per switch."""
+        overrides = [override for switch in self.switches for override in switch.options[options[switch.name]]]
+        return ModelComposition(dict(options), tuple(merge_overrides([*self.recipe, *overrides])))
 
-    def parts(self, options: Mapping[str, str]) -> int:
-        """How many options these lie above the plainest of each switch, in all."""
+    def count_parts(self, options: Mapping[str, str]) -> int:
+        """Return how many steps the options are above the plainest option of their switches, in total."""
         return sum(len(s.options) - 1 - list(s.options).index(options[s.name]) for s in self.switches)
 
-    def fixed(self, overrides: Sequence[str]) -> "Space":
-        """Without the switches that ``overrides`` set, which join the recipe."""
-        given = {key_of(override) for override in overrides}
-        kept = [s for s in self.switches if not any(key_of(o) in given for os in s.options.values() for o in os)]
-        return Space(self.name, tuple(merged([*self.recipe, *overrides])), tuple(kept))
+    def fix(self, overrides: Sequence[str]) -> "Space":
+        """Return the space without the switches that ``overrides`` set; the overrides join the recipe."""
+        keys = {key_of(override) for override in overrides}
+        switches = [s for s in self.switches if not any(key_of(o) in keys for os in s.options.values() for o in os)]
+        return Space(self.name, tuple(merge_overrides([*self.recipe, *overrides])), tuple(switches))
 
-    def with_only(self, switch: str, options: Sequence[str]) -> "Space":
-        """With only these ``options`` of a switch."""
-        left = (
+    def restrict(self, switch: str, options: Sequence[str]) -> "Space":
+        """Return the space with these ``options`` of a switch only."""
+        switches = (
             replace(s, options={o: s.options[o] for o in options}) if s.name == switch else s for s in self.switches
         )
-        return replace(self, switches=tuple(left))
+        return replace(self, switches=tuple(switches))
 
 
-def merged(overrides: Sequence[str]) -> list[str]:
-    """Overrides of which a later one stands in the place of an earlier one of the same key."""
+def merge_overrides(overrides: Sequence[str]) -> list[str]:
+    """Return the overrides, of which a later one takes the place of an earlier one with the same key."""
     return list({key_of(override): override for override in overrides}.values())
 
 
 def read_space(data: Any) -> Space:
-    """The space that a file of ``conf/among`` declares.
+    """Return the space that a file of ``conf/among`` declares.
 
     Raises:
-        UserError: a key is missing, or an option is no list of overrides.
+        UserError: a key is missing, or an option is not a list of overrides.
     """
     try:
-        switches = tuple(
-            Switch(
-                str(name),
-                {str(option): tuple(map(str, overrides)) for option, overrides in said["options"].items()},
-                tuple(Rule(str(r["fact"]), float(r["at_most"]), str(r["because"])) for r in said.get("pointless", ())),
-                {str(other): str(option) for other, option in said.get("unless", {}).items()},
-            )
-            for name, said in data["switches"].items()
-        )
+        switches = tuple(_read_switch(str(name), switch) for name, switch in data["switches"].items())
         recipe = tuple(map(str, data["recipe"]))
         name = str(data["name"])
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise UserError(
-            f"The space does not read ({type(error).__name__}: {error}): give it name, recipe and switches, as in "
+            f"The space cannot be read ({type(error).__name__}: {error}): give it a name, a recipe and switches, as in "
             "conf/among/dlctus.yaml."
         ) from error
     if not switches or not all(switch.options for switch in switches):
-        raise UserError(f"The space {name} has a switch without options: give each one at least.")
+        raise UserError(
+            f"The space {name} has no switches, or a switch without options: give each at least one option."
+        )
     return Space(name, recipe, switches)
+
+
+def _read_switch(name: str, data: Mapping[str, Any]) -> Switch:
+    return Switch(
+        name,
+        {str(option): tuple(map(str, overrides)) for option, overrides in data["options"].items()},
+        tuple(Rule(str(r["fact"]), float(r["at_most"]), str(r["because"])) for r in data.get("pointless", ())),
+        {str(switch): str(option) for switch, option in data.get("unless", {}).items()},
+    )

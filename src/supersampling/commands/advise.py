@@ -1,4 +1,4 @@
-"""The command ``advise``: measure the scene, leave out what it cannot need, search the rest, answer."""
+"""The command ``advise``: measure the scene, leave out what it cannot need, search the rest, and answer."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,13 +7,14 @@ import pandas as pd
 import torch
 from omegaconf import DictConfig
 
-from supersampling.advice import answer, tell
-from supersampling.advice.facts import Fact, measure
-from supersampling.advice.prior import Reason, prune, within
-from supersampling.advice.search import Question, search, varied
-from supersampling.advice.settings import settings_of
+from supersampling.advice import printing
+from supersampling.advice.answer import experiment_file, log_answer, write_experiment
+from supersampling.advice.facts import Fact, measure_facts
+from supersampling.advice.prior import Reason, prune, restrict_to_buffers
+from supersampling.advice.search import Question, representative_configs, search
+from supersampling.advice.settings import read_settings
 from supersampling.advice.space import Space
-from supersampling.advice.trainings import Composed
+from supersampling.advice.trainings import TrainingConfig
 from supersampling.config import key_of, typed_overrides
 from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.module import fingerprint
@@ -39,60 +40,70 @@ def advise(cfg: DictConfig) -> None:
     """Print and log the answer, and write it as an experiment of train.py.
 
     Raises:
-        UserError: a setting that is not possible, an unknown scene, a search that cannot be afforded, nothing that trains.
+        UserError: a setting is invalid, a scene is unknown, the search takes too many steps, or no composition can be
+            trained.
     """
-    settings = settings_of(cfg)
+    settings = read_settings(cfg)
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
-    whole = settings.space.fixed(training_overrides(typed_overrides()))
-    space, reasons = _held(whole)
-    files = data_files(cfg, [c.cfg for c in varied(space)])
-    paths = [path for split in files.values() for path in split]
-    scenes = _scenes(files["test"])
-    facts = measure(paths, scenes)
-    tell.facts(scenes, facts)
+    whole = settings.space.fix(training_overrides(typed_overrides()))
+    space, reasons = _restrict_to_files(whole)
+    files = data_files(cfg, [config.cfg for config in representative_configs(space)])
+    scenes = _read_scenes(files["test"])
+    facts = measure_facts([path for split in files.values() for path in split], scenes)
+    printing.print_facts(scenes, facts)
     if settings.prune:
         space, more = prune(space, facts)
-        said = {reason.switch for reason in reasons}
-        reasons += [reason for reason in more if reason.switch not in said or not reason.tried]
-    tell.reasons(reasons)
-    found = search(Question(cfg, settings, whole, space, reasons, files, experiment, scenes))
-    text = answer.experiment_file(answer.overrides_of(found), _configured(cfg))
-    name = f"{found.scene.replace('/', '_').replace(',', '_')}_{space.name}"
-    path = answer.write(text, settings.out, name)
-    run_id = answer.log(experiment, found, fingerprint(files["test"], ["target"]), _table(facts), text)
-    tell.found(found)
-    tell.after(path, name, settings.out, run_id)
+        explained = {reason.switch for reason in reasons}
+        reasons += [reason for reason in more if reason.switch not in explained or not reason.searched]
+    printing.print_reasons(reasons)
+    result = search(
+        Question(
+            cfg=cfg,
+            settings=settings,
+            whole=whole,
+            space=space,
+            reasons=reasons,
+            files=files,
+            experiment=experiment,
+            scenes=scenes,
+        )
+    )
+    text = experiment_file(result.overrides(), [cfg.scene] if isinstance(cfg.scene, str) else list(cfg.scene))
+    name = f"{result.scene.replace('/', '_').replace(',', '_')}_{space.name}"
+    path = write_experiment(text, settings.out, name)
+    run_id = log_answer(experiment, result, fingerprint(files["test"], ["target"]), _facts_table(facts), text)
+    printing.print_result(result)
+    printing.print_commands(path, name, settings.out, run_id)
 
 
-def _held(space: Space) -> tuple[Space, list[Reason]]:
-    """Of a user's own files: the space of what they hold."""
-    plain = Composed.of(space.compositions()[-1].overrides)
+def _restrict_to_files(space: Space) -> tuple[Space, list[Reason]]:
+    """Return the space that a user's own files allow, and the reasons; for rendered data, the whole space."""
+    plain = TrainingConfig.compose(space.compositions()[-1].overrides)
     if not str(plain.cfg.data._target_).endswith(".Files"):
         return space, []
-    held: list[frozenset[str]] = []
+    available: list[frozenset[str]] = []
     for split in ("train", "val", "test"):
         for name in plain.cfg.data[split]:
-            store = DatasetFile(Path(name))
-            held.append(store.buffers)
-            store.close()
-    if not held:
+            file = DatasetFile(Path(name))
+            available.append(file.buffers)
+            file.close()
+    if not available:
         return space, []
-    return within(space, frozenset.intersection(*held), lambda c: Composed.of(c.overrides).reads)
+    return restrict_to_buffers(
+        space, frozenset.intersection(*available), lambda c: TrainingConfig.compose(c.overrides).buffers
+    )
 
 
-def _scenes(test: Sequence[Path]) -> list[str]:
-    names = []
+def _read_scenes(test: Sequence[Path]) -> list[str]:
+    scenes = []
     for path in test:
-        store = DatasetFile(path)
-        names.append(store.spec.scene)
-        store.close()
-    return names
+        file = DatasetFile(path)
+        scenes.append(file.spec.scene)
+        file.close()
+    return scenes
 
 
-def _configured(cfg: DictConfig) -> list[str]:
-    return [cfg.scene] if isinstance(cfg.scene, str) else list(cfg.scene)
-
-
-def _table(facts: dict[str, Fact]) -> pd.DataFrame:
-    return pd.DataFrame([{"fact": k, "value": f.value, "source": f.source, "about": f.about} for k, f in facts.items()])
+def _facts_table(facts: dict[str, Fact]) -> pd.DataFrame:
+    rows = [{"fact": k, "value": f.value, "source": f.source, "about": f.about} for k, f in facts.items()]
+    return pd.DataFrame(rows)

@@ -60,7 +60,7 @@ KEYS: dict[str, Key] = {
     **dict.fromkeys(("device", "cost", "backends", "ms", "db", "low_ms", "high_ms", "dataset"), _COMMAND),
     # evaluate, export, stress
     **dict.fromkeys(("checkpoint", "capture", "name", "space", "kernels", "check", "tolerance"), _COMMAND),
-    **dict.fromkeys(("models", "extremes", "effort", "all"), _COMMAND),
+    **dict.fromkeys(("models", "extremes", "effort", "quick", "all"), _COMMAND),
     # render, show, import_capture, export_capture
     **dict.fromkeys(("splits", "buffers", "pictures", "layout", "convention", "jitter_convention"), _COMMAND),
     **dict.fromkeys(("reversed_depth", "file", "split", "clip", "frame", "width", "columns"), _COMMAND),

@@ -1,1 +1,1 @@
-"""The extremes, tried: every model at the ends of what its inputs, gates and number formats allow (docs/stress.md)."""
+"""Tests of every model at the ends of what its inputs, gates and number formats allow (docs/stress.md)."""

@@ -11,13 +11,14 @@ import pandas as pd
 Verdict = Literal["holds", "fails", "not tried"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Cell:
-    """A model at an extreme in a precision.
+    """A model at an extreme in a precision; the fields are the columns of the table.
 
-    Errors are absolute, in units of the output's range: the largest magnitude of the reference's frame, at least 1. ``mean`` is
-    that of the worst frame; ``drift`` the slope of the frames' mean errors, per frame. ``value`` is what a row has of its own
-    (frames until clean, growth per frame), ``truth`` what it should be where that is known otherwise.
+    Errors are absolute, in units of the output's range: the largest magnitude of the reference's frame, at least 1.
+    ``mean`` is that of the worst frame; ``drift`` the slope of the frames' mean errors, per frame. ``value`` is a
+    quantity of the extreme (frames until clean, growth per frame), ``truth`` its expected value if that is known
+    independently. ``gradient`` is ``finite``, ``not finite``, or empty if no gradient was computed.
     """
 
     model: str
@@ -30,7 +31,7 @@ class Cell:
     largest: float = math.nan
     mean: float = math.nan
     drift: float = math.nan
-    gradient: str = ""  # finite, not finite, or nothing where it was not tried
+    gradient: str = ""
     value: float = math.nan
     truth: float = math.nan
     tolerance: str = ""
@@ -42,33 +43,33 @@ class Cell:
 COLUMNS = [field.name for field in fields(Cell)]
 
 
-def drift_of(errors: Sequence[float]) -> float:
-    """Slope of a straight line through the errors of frames 0, 1, ..., per frame; NaN below two frames."""
+def fit_drift(errors: Sequence[float]) -> float:
+    """Return the slope of a line through the errors of frames 0, 1, ..., per frame; NaN for fewer than two frames."""
     if len(errors) < 2 or not np.isfinite(errors).all():
         return math.nan
     return float(np.polynomial.Polynomial.fit(np.arange(len(errors)), errors, 1).convert().coef[1:].sum())
 
 
 def judge(finite: bool, largest: float, mean: float, gradient: str, limits: tuple[float, float]) -> tuple[Verdict, str]:
-    """The verdict against the ``limits`` on the largest and the mean error, and what breaks it."""
+    """Return the verdict against the ``limits`` on the largest and the mean error, and the reason of a failure."""
     if not finite:
         return "fails", "not finite"
-    broken = []
+    reasons = []
     if not largest <= limits[0]:
-        broken.append(f"largest error {largest:.2g} above {limits[0]:g}")
+        reasons.append(f"largest error {largest:.2g} above {limits[0]:g}")
     if not mean <= limits[1]:
-        broken.append(f"mean error {mean:.2g} above {limits[1]:g}")
+        reasons.append(f"mean error {mean:.2g} above {limits[1]:g}")
     if gradient == "not finite":
-        broken.append("gradients are not finite")
-    return ("fails", "; ".join(broken)) if broken else ("holds", "")
+        reasons.append("gradients are not finite")
+    return ("fails", "; ".join(reasons)) if reasons else ("holds", "")
 
 
-def frame_of_cells(cells: Sequence[Cell]) -> pd.DataFrame:
-    """The table as it is logged: a row a cell."""
+def make_table(cells: Sequence[Cell]) -> pd.DataFrame:
+    """Return the table as it is logged: one row per cell."""
     return pd.DataFrame([asdict(cell) for cell in cells], columns=COLUMNS)
 
 
-def summary(cells: Sequence[Cell]) -> str:
-    """How many hold, fail and were not tried, in words."""
+def summarise(cells: Sequence[Cell]) -> str:
+    """Return in words how many cells hold, fail and were not tried."""
     count = {verdict: sum(cell.verdict == verdict for cell in cells) for verdict in ("holds", "fails", "not tried")}
     return f"{count['holds']} cells hold, {count['fails']} fail, {count['not tried']} were not tried"

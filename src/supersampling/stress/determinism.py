@@ -1,4 +1,4 @@
-"""Whether the same is the same: repeated, on other numbers of threads, and in a batch."""
+"""Determinism: the same clip repeated, on another number of threads, and in a batch."""
 
 import copy
 from collections.abc import Iterator
@@ -7,68 +7,64 @@ import torch
 from torch import Tensor
 
 from supersampling.models.base import Upsampler
-from supersampling.stress.cell import Cell, drift_of
-from supersampling.stress.clip import Clip, clip_of
-from supersampling.stress.precision import PRECISIONS
-from supersampling.stress.trial import Distance, frames_of, roll
+from supersampling.stress.cell import Cell, fit_drift
+from supersampling.stress.clip import Clip, make_clip
+from supersampling.stress.precision import FLOAT32
+from supersampling.stress.trial import Distance, roll, split_frames
 
 FRAMES, BATCH, THREADS = 6, 3, (1, 2)
-FLOAT32 = PRECISIONS["float32"]
 
 
 def outputs(model: Upsampler, clip: Clip, device: str) -> list[Tensor]:
-    return [output for output, _ in roll(model, frames_of(clip), torch.float32, device)]
+    """Return the outputs of a clip in float32."""
+    return [output for output, _ in roll(model, split_frames(clip), torch.float32, device)]
 
 
-def _apart(first: list[Tensor], second: list[Tensor]) -> Distance:
-    found = Distance()
-    for a, b in zip(first, second):
-        found.add(a, b.double())
-    return found
+def _distance(first: list[Tensor], second: list[Tensor]) -> Distance:
+    distance = Distance()
+    for output, reference in zip(first, second):
+        distance.add(output, reference.double())
+    return distance
 
 
-def compared(model: Upsampler, size: tuple[int, int], device: str) -> Iterator[tuple[str, str, float, Distance]]:
-    """Name, sentence, tolerance, distance."""
-    clip = clip_of(model.requires, FRAMES, *size, model.scale, batch=BATCH)
-    once = outputs(model, clip, device)
-    yield (
-        "repeated",
-        "The same frames twice: equal to the bit.",
-        0.0,
-        _apart(outputs(model, clip, device), once),
-    )
-    single = {name: values[:1] for name, values in clip.items()}
-    alone = outputs(model, single, device)
-    said = f"The first of a batch of {BATCH} against the same clip alone."
-    yield "batch", said, FLOAT32.largest, _apart([o[:1] for o in once], alone)
-    before = torch.get_num_threads()
+def comparisons(model: Upsampler, size: tuple[int, int], device: str) -> Iterator[tuple[str, str, float, Distance]]:
+    """Yield the name, meaning, tolerance and distance of each comparison."""
+    clip = make_clip(model.requires, FRAMES, *size, model.scale, batch=BATCH)
+    batch = outputs(model, clip, device)
+    repeated = _distance(outputs(model, clip, device), batch)
+    yield "repeated", "The same frames twice: bit-identical.", 0.0, repeated
+    single = outputs(model, {name: values[:1] for name, values in clip.items()}, device)
+    meaning = f"The first item of a batch of {BATCH} against the same clip in a batch of its own."
+    yield "batch", meaning, FLOAT32.largest, _distance([output[:1] for output in batch], single)
+    threads = torch.get_num_threads()
     try:
         torch.set_num_threads(THREADS[0])
-        one = outputs(model, clip, device)
+        single_threaded = outputs(model, clip, device)
         torch.set_num_threads(THREADS[1])
-        two = outputs(model, clip, device)
+        two_threaded = outputs(model, clip, device)
     finally:
-        torch.set_num_threads(before)
-    yield "threads", "One thread against two.", FLOAT32.largest, _apart(two, one)
+        torch.set_num_threads(threads)
+    yield "threads", "One thread against two.", FLOAT32.largest, _distance(two_threaded, single_threaded)
 
 
 def determinism_cells(name: str, model: Upsampler, size: tuple[int, int], device: str) -> Iterator[Cell]:
+    """Yield one cell per comparison."""
     model = copy.deepcopy(model).eval()
-    for what, says, tolerance, found in compared(model, size, device):
-        good = found.finite and found.largest <= tolerance
+    for comparison, meaning, tolerance, distance in comparisons(model, size, device):
+        good = distance.finite and distance.largest <= tolerance
         yield Cell(
-            name,
-            f"determinism/{what}",
-            "float32",
-            f"{size[0]}x{size[1]}",
-            model.scale,
-            FRAMES,
-            finite=found.finite,
-            largest=found.largest,
-            mean=found.mean,
-            drift=drift_of(found.means),
+            model=name,
+            extreme=f"determinism/{comparison}",
+            precision="float32",
+            size=f"{size[0]}x{size[1]}",
+            scale=model.scale,
+            frames=FRAMES,
+            finite=distance.finite,
+            largest=distance.largest,
+            mean=distance.mean,
+            drift=fit_drift(distance.means),
             tolerance=f"{tolerance:g}",
             verdict="holds" if good else "fails",
-            why="" if good else f"{found.largest:.2g} apart",
-            says=says,
+            why="" if good else f"{distance.largest:.2g} apart",
+            says=meaning,
         )

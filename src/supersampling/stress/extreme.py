@@ -1,7 +1,7 @@
-"""What an extreme is."""
+"""The record of an extreme."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 from supersampling.models.base import Upsampler
 from supersampling.stress.clip import Clip
@@ -10,6 +10,7 @@ COLOURS = ("color", "target", "radiance", "target_radiance")
 
 
 def unchanged(clip: Clip) -> Clip:
+    """Return the clip itself."""
     return clip
 
 
@@ -17,13 +18,21 @@ def unchanged(clip: Clip) -> Clip:
 class Extreme:
     """A change of the plain clip, of its size, or of a model.
 
-    ``name`` is ``group/what``, ``says`` a sentence. A model that reads none of ``touches`` has no such row (empty: all have it).
-    ``adjust`` changes a model in place and says whether it has what is changed. ``size`` is the low resolution's width and
-    height, ``target`` the target's; ``full`` ones are left out of the quick budget.
+    Args:
+        name: ``group/detail``.
+        meaning: a sentence.
+        change: the change of the clip.
+        touches: the changed buffers; a model that reads none of them has no cell. Empty: every model has one.
+        adjust: changes a model in place and returns whether the model has what is changed.
+        size: width and height of the low resolution.
+        target: width and height of the target.
+        scale: the model's scale.
+        full: whether the quick budget leaves it out.
     """
 
     name: str
-    says: str
+    meaning: str
+    _: KW_ONLY
     change: Callable[[Clip], Clip] = unchanged
     touches: frozenset[str] = frozenset()
     adjust: Callable[[Upsampler], bool] | None = None
@@ -35,13 +44,15 @@ class Extreme:
 
     @property
     def group(self) -> str:
+        """The part of the name before the slash."""
         return self.name.partition("/")[0]
 
-    def low(self, size: tuple[int, int], scale: int) -> tuple[int, int]:
-        """Width and height of the low resolution, of the default ``size`` where the extreme has none."""
+    def low_size(self, size: tuple[int, int], scale: int) -> tuple[int, int]:
+        """Return width and height of the low resolution, which are the default ``size`` if the extreme sets none."""
         if self.target:
             return max(1, self.target[0] // scale), max(1, self.target[1] // scale)
         return self.size or size
 
     def concerns(self, model: Upsampler) -> bool:
+        """Return whether the model reads a changed buffer."""
         return not self.touches or bool(self.touches & model.requires)

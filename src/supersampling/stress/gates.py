@@ -1,4 +1,4 @@
-"""Gates held open and shut: the extremes that models and stages declare in their class attribute ``extremes``."""
+"""Gates forced open and shut: the extremes that models and stages declare in their class attribute ``extremes``."""
 
 import importlib
 import pkgutil

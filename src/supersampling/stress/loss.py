@@ -8,63 +8,63 @@ import torch
 from supersampling.losses.temporal import SpatioTemporal
 from supersampling.models.base import Upsampler
 from supersampling.stress.cell import Cell, judge
-from supersampling.stress.clip import Clip, clip_of
+from supersampling.stress.clip import Clip, make_clip
 from supersampling.stress.precision import Precision
-from supersampling.stress.trial import COUNTED
+from supersampling.stress.trial import LOSS_FRAMES
 from supersampling.training.module import unroll
 
 THETAS = 0.0, 0.999, 1.0
 FRAMES = 5
 
 
-def value_of(
+def compute_loss(
     model: Upsampler, clip: Clip, theta: float, dtype: torch.dtype, precision: Precision | None, device: str
 ) -> tuple[float, bool]:
-    """The loss of the last frames, and whether all gradients are finite."""
+    """Return the loss of the last frames, and whether all gradients are finite."""
     model = copy.deepcopy(model).to(dtype).train()
     buffers = {name: values.float().to(device, dtype) for name, values in clip.items()}
-    kept = COUNTED + 1
-    last = {name: values[:, -kept:] for name, values in buffers.items()}
+    count = LOSS_FRAMES + 1
+    last = {name: values[:, -count:] for name, values in buffers.items()}
     if precision is None:
-        outputs = unroll(model, buffers, kept)
+        outputs = unroll(model, buffers, count)
     else:
         with precision.context(device):
-            outputs = unroll(model, buffers, kept)
-    value = SpatioTemporal(theta)(outputs, model.reference(last), last)
-    value.backward()
-    grads = [p.grad for p in model.parameters() if p.grad is not None]
-    return float(value.detach()), all(bool(g.isfinite().all()) for g in grads)
+            outputs = unroll(model, buffers, count)
+    loss = SpatioTemporal(theta)(outputs, model.reference(last), last)
+    loss.backward()
+    gradients = [p.grad for p in model.parameters() if p.grad is not None]
+    return float(loss.detach()), all(bool(g.isfinite().all()) for g in gradients)
 
 
 def loss_cells(
     name: str, model: Upsampler, precisions: Sequence[Precision], size: tuple[int, int], device: str
 ) -> Iterator[Cell]:
-    """A cell for each theta and precision; the error is that of the loss."""
+    """Yield one cell per theta and precision, whose error is that of the loss; none for a model without parameters."""
     if not any(p.requires_grad for p in model.parameters()):
         return
-    clip = clip_of(model.requires | model.compares | {"motion"}, FRAMES, *size, model.scale)
+    clip = make_clip(model.requires | model.compares | {"motion"}, FRAMES, *size, model.scale)
     for theta in THETAS:
-        truth, _ = value_of(model, clip, theta, torch.float64, None, device)
+        truth, _ = compute_loss(model, clip, theta, torch.float64, None, device)
         for precision in precisions:
-            value, finite = value_of(model, clip, theta, torch.float32, precision, device)
-            apart = abs(value - truth) / max(1.0, abs(truth))
-            grads = "finite" if finite else "not finite"
-            verdict, why = judge(value == value, apart, apart, grads, (precision.mean, precision.mean))
+            value, finite = compute_loss(model, clip, theta, torch.float32, precision, device)
+            error = abs(value - truth) / max(1.0, abs(truth))
+            gradient = "finite" if finite else "not finite"
+            verdict, reason = judge(value == value, error, error, gradient, (precision.mean, precision.mean))
             yield Cell(
-                name,
-                f"theta/{theta:g}",
-                precision.name,
-                f"{size[0]}x{size[1]}",
-                model.scale,
-                FRAMES,
+                model=name,
+                extreme=f"theta/{theta:g}",
+                precision=precision.name,
+                size=f"{size[0]}x{size[1]}",
+                scale=model.scale,
+                frames=FRAMES,
                 finite=value == value,
-                largest=apart,
-                mean=apart,
-                gradient=grads,
+                largest=error,
+                mean=error,
+                gradient=gradient,
                 value=value,
                 truth=truth,
                 tolerance=f"{precision.mean:g}",
                 verdict=verdict,
-                why=why,
+                why=reason,
                 says=f"The spatio-temporal loss with theta = {theta:g}, and its gradients.",
             )

@@ -1,4 +1,4 @@
-"""How much memory a step takes, from shapes alone, so that what cannot fit is told and not tried."""
+"""The memory of a step, from shapes only, so that a size that cannot fit is reported and not tried."""
 
 import copy
 import weakref
@@ -16,12 +16,12 @@ from supersampling.models.count import random_frame
 from supersampling.profiling.memory import available
 
 GIGA = 1e9
-DOUBLE, HELD = 2.0, 1.5  # the reference is in float64, and what is kept for the comparison
-OPERATIONS = 2e12  # multiply-accumulates of a step above which a row is too long for any budget: minutes
+DOUBLE = 2.0  # the reference is in float64
+COMPARISON = 1.5  # results are kept for the comparison
 
 
 class Peak(TorchDispatchMode):
-    """The largest number of bytes that tensors made inside of it held at once."""
+    """A dispatch mode that records the largest number of bytes allocated at once by tensors created inside it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -44,18 +44,21 @@ class Peak(TorchDispatchMode):
                     self.now += size
                     self.peak = max(self.peak, self.now)
                 self._users[key] += 1
-                weakref.finalize(tensor, self._gone, key, size)
+                weakref.finalize(tensor, self._release, key, size)
         return out
 
-    def _gone(self, key: int, size: int) -> None:
+    def _release(self, key: int, size: int) -> None:
         self._users[key] -= 1
         if not self._users[key]:
             self.now -= size
 
 
 @torch.no_grad()
-def gigabytes(model: Upsampler, width: int, height: int) -> float:
-    """About what comparing a step of a ``width x height`` input with float64 takes; NaN where shapes alone do not say."""
+def estimate_gigabytes(model: Upsampler, width: int, height: int) -> float:
+    """Return about how much memory it takes to compare a step of a ``width x height`` input with float64.
+
+    NaN if the model cannot run on shapes only.
+    """
     shapes = copy.deepcopy(model).to("meta").eval()
     frame = random_frame(shapes, width, height, "meta")
     try:
@@ -64,12 +67,12 @@ def gigabytes(model: Upsampler, width: int, height: int) -> float:
             shapes(frame, state)
     except (RuntimeError, NotImplementedError):
         return float("nan")
-    return peak.peak * DOUBLE * HELD / GIGA
+    return peak.peak * DOUBLE * COMPARISON / GIGA
 
 
-def too_large(model: Upsampler, size: tuple[int, int], device: str) -> str:
-    """Why a size is not tried on this machine; empty if it fits."""
-    needed, free = gigabytes(model, *size), available(torch.device(device))
-    if free is not None and needed > free / GIGA:
-        return f"needs about {needed:.0f} GB beside float64, and {free / GIGA:.0f} GB are free"
+def explain_too_large(model: Upsampler, size: tuple[int, int], device: str) -> str:
+    """Return the reason that a size is not tried on this machine; empty if it fits."""
+    required, free = estimate_gigabytes(model, *size), available(torch.device(device))
+    if free is not None and required > free / GIGA:
+        return f"needs about {required:.0f} GB beside float64, and {free / GIGA:.0f} GB are free"
     return ""

@@ -1,4 +1,4 @@
-"""Which extremes there are, and which of them a command's budget and choice take."""
+"""The catalogue of extremes, and the selection of them that a command tries."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,23 +11,20 @@ from supersampling.stress.gates import GATES
 from supersampling.stress.geometry import DEPTHS, JITTERS, MOTIONS
 from supersampling.stress.sizes import SCALES, SIZES
 
-EXTREMES: tuple[Extreme, ...] = (
-    *SIZES, *SCALES, *COLOUR, *DEMODULATION, *DEPTHS, *MOTIONS, *JITTERS, *GATES,
-)  # fmt: skip
-# Groups that are no change of a clip.
-OTHERS = "theta", "recovery", "determinism", "rollout", "divergence"
-GROUPS = (*dict.fromkeys(e.group for e in EXTREMES), *OTHERS)
-# ENSS's kernels come of a network as narrow as the laptop budget's: the paper's of 2,048 features takes ten times as long.
-NARROW = "enss_s model.kernel_prediction.width=16"
-QUICK_MODELS = "bicubic", "jau", "tus", "dlctus", NARROW, "nsrr_fast", "nsrd"
-FULL_MODELS = "bicubic", "jau", "tus", "dlctus", "enss_s", "enss_m", "enss_l", "nsrr_fast", "nsrr", "nsrd"
+EXTREMES: tuple[Extreme, ...] = (*SIZES, *SCALES, *COLOUR, *DEMODULATION, *DEPTHS, *MOTIONS, *JITTERS, *GATES)
+# Groups that do not change a clip but test a model in their own way.
+SPECIAL_GROUPS = "theta", "recovery", "determinism", "rollout", "divergence"
+GROUPS = (*dict.fromkeys(extreme.group for extreme in EXTREMES), *SPECIAL_GROUPS)
 
 
 @dataclass(frozen=True)
 class Budget:
-    """What decides how long it takes: roll-outs' lengths, frames after a bad one, and of TUS's divergence."""
+    """Frame counts that decide how long a command takes.
 
-    models: tuple[str, ...]
+    ``rollouts`` are the lengths of the long roll-outs, ``horizon`` the frames after a bad frame, ``divergence`` the
+    frames of TUS's divergence. ``full`` includes the extremes that take long.
+    """
+
     rollouts: tuple[int, ...]
     horizon: int
     divergence: int
@@ -35,41 +32,33 @@ class Budget:
 
 
 BUDGETS = {
-    "quick": Budget(QUICK_MODELS, (240,), 32, 200, False),
-    "full": Budget(FULL_MODELS, (3_600, 36_000), 64, 2000, True),
+    "quick": Budget(rollouts=(240,), horizon=32, divergence=200, full=False),
+    "full": Budget(rollouts=(3_600, 36_000), horizon=64, divergence=2000, full=True),
 }
 
 
-def budget_of(name: str) -> Budget:
-    """Raises `UserError` unless it is one of them."""
-    if name not in BUDGETS:
-        raise UserError(f"effort={name} is not possible: use {' or '.join(BUDGETS)}.")
-    return BUDGETS[name]
-
-
 @dataclass(frozen=True)
-class Chosen:
-    """The changes of a clip, and the other groups."""
+class Selection:
+    """The selected changes of a clip, and the selected names of `SPECIAL_GROUPS`."""
 
     extremes: tuple[Extreme, ...]
-    others: tuple[str, ...]
+    groups: tuple[str, ...]
 
 
-def choose(names: Sequence[str] | None, full: bool) -> Chosen:
-    """The extremes called ``names``: groups (``motion``) or single ones (``motion/NaN``). None takes the budget's; one that is
-    named is taken in every budget.
+def select_extremes(names: Sequence[str] | None, full: bool) -> Selection:
+    """Return the extremes called ``names``, which are groups (``motion``) or single extremes (``motion/NaN``).
+
+    None selects all of the budget's extremes. An extreme that is named itself is selected in every budget.
 
     Raises:
-        UserError: there is no such extreme.
+        UserError: a name is unknown.
     """
     if names is None:
-        return Chosen(tuple(e for e in EXTREMES if full or not e.full), OTHERS)
-    known = {e.name for e in EXTREMES}
+        return Selection(tuple(extreme for extreme in EXTREMES if full or not extreme.full), SPECIAL_GROUPS)
+    known = {extreme.name for extreme in EXTREMES}.union(GROUPS)
     for name in names:
-        if name not in GROUPS and name not in known:
-            raise UserError(
-                f"extremes holds {name}, which is none: use a list of {', '.join(GROUPS)}, or of one as motion/NaN."
-            )
-    wanted = set(names)
-    taken = tuple(e for e in EXTREMES if e.name in wanted or (e.group in wanted and (full or not e.full)))
-    return Chosen(taken, tuple(name for name in OTHERS if name in wanted))
+        if name not in known:
+            raise UserError(f"Unknown extreme {name}: use {', '.join(GROUPS)}, or a single one such as motion/NaN.")
+    requested = set(names)
+    selected = tuple(e for e in EXTREMES if e.name in requested or (e.group in requested and (full or not e.full)))
+    return Selection(selected, tuple(name for name in SPECIAL_GROUPS if name in requested))

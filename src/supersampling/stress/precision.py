@@ -1,4 +1,4 @@
-"""Number formats, and how far from float64 each may be."""
+"""Number formats, and their tolerated distance from float64."""
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
@@ -9,7 +9,7 @@ from supersampling.errors import UserError
 from supersampling.models.precision import autocast, missing_convolution
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Precision:
     """A number format: weights and buffers stay float32, convolutions are computed in it, as in training.
 
@@ -23,51 +23,67 @@ class Precision:
 
     @property
     def limits(self) -> tuple[float, float]:
+        """The tolerances of the largest and of the mean error."""
         return self.largest, self.mean
 
     @property
     def tolerance(self) -> str:
+        """The tolerances as text."""
         return f"{self.largest:g} / {self.mean:g}"
 
     def context(self, device: str) -> AbstractContextManager[object]:
+        """Return the context in which a model computes in this precision."""
         return autocast(device, self.name)
 
 
 STEP = 1.0 / 255.0
-PRECISIONS = {
-    p.name: p
-    for p in (
-        Precision("float32", STEP / 2, 1e-5,
-                  "Half a step of 8 bits, so that an image is never seen to change; in the mean 10^-5, of which a dozen "
-                  "convolutions' rounding is a tenth."),
-        Precision("bfloat16", 32 * STEP, 4 * STEP,
-                  "8 binary digits are a rounding of 2^-9, half a step of 8 bits, in each of about ten layers and again in each "
-                  "frame: 4 steps in the mean, and 8 times as much in single pixels."),
-        Precision("float16", 4 * STEP, STEP / 2,
-                  "11 digits, an eighth of bfloat16's rounding."),
-        Precision("int8", 64 * STEP, 8 * STEP, "7 digits and a sign, twice bfloat16's rounding."),
-    )
-}  # fmt: skip
+FLOAT32 = Precision(
+    name="float32",
+    largest=STEP / 2,
+    mean=1e-5,
+    reason="Half a step of 8 bits, so that no image visibly changes; in the mean 10^-5, of which the rounding of a "
+    "dozen convolutions is a tenth.",
+)
+BFLOAT16 = Precision(
+    name="bfloat16",
+    largest=32 * STEP,
+    mean=4 * STEP,
+    reason="8 binary digits are a rounding of 2^-9, half a step of 8 bits, in each of about ten layers and again in "
+    "each frame: 4 steps in the mean, and 8 times as much in single pixels.",
+)
+FLOAT16 = Precision(
+    name="float16",
+    largest=4 * STEP,
+    mean=STEP / 2,
+    reason="11 digits, an eighth of bfloat16's rounding.",
+)
+INT8 = Precision(
+    name="int8",
+    largest=64 * STEP,
+    mean=8 * STEP,
+    reason="7 digits and a sign, twice bfloat16's rounding.",
+)
+PRECISIONS = {precision.name: precision for precision in (FLOAT32, BFLOAT16, FLOAT16, INT8)}
 
-INT8 = PRECISIONS["int8"]
 
-
-def lacks(name: str, device: str) -> str:
-    """Why this device cannot compute in a precision; empty if it can."""
+def explain_missing(name: str, device: str) -> str:
+    """Return the reason that this device cannot compute in a precision; empty if it can."""
     return quantise.missing().rstrip(".") if name == "int8" else missing_convolution(device, name)
 
 
-def chosen(names: Sequence[str] | None, device: str) -> list[Precision]:
-    """The precisions called ``names``; None takes all that the device has, and int8, so that its rows say why there are none.
+def select_precisions(names: Sequence[str] | None, device: str) -> list[Precision]:
+    """Return the precisions called ``names``.
+
+    None selects all that the device has, and int8 in any case, so that its cells say why they were not tried.
 
     Raises:
-        UserError: an unknown one, or one that the device lacks.
+        UserError: a precision is unknown, or the device does not have it.
     """
     if names is None:
-        return [p for name, p in PRECISIONS.items() if name == "int8" or not lacks(name, device)]
+        return [p for name, p in PRECISIONS.items() if name == "int8" or not explain_missing(name, device)]
     for name in names:
         if name not in PRECISIONS:
-            raise UserError(f"precisions holds {name}, which is none: use a list of {', '.join(PRECISIONS)}.")
-        if why := lacks(name, device):
-            raise UserError(f"precisions={name} is not possible: {why}; leave it out.")
+            raise UserError(f"Unknown precision {name}: use {', '.join(PRECISIONS)}.")
+        if reason := explain_missing(name, device):
+            raise UserError(f"Precision {name} is not available: {reason}; remove it from precisions.")
     return [PRECISIONS[name] for name in names]

@@ -1,4 +1,4 @@
-"""int8: a method exported, its convolutions quantised on the plain clip, and run outside of PyTorch at the extremes."""
+"""int8: an exported method, its convolutions quantised on the plain clip, that runs without PyTorch at the extremes."""
 
 import copy
 import math
@@ -17,71 +17,74 @@ from supersampling.deploy.runner import Runner
 from supersampling.deploy.runtimes import OpenVINO
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
-from supersampling.stress.cell import Cell, drift_of, judge
-from supersampling.stress.clip import Clip, clip_of, frame_of
+from supersampling.stress.cell import Cell, fit_drift, judge
+from supersampling.stress.clip import Clip, make_clip, make_frame
 from supersampling.stress.extreme import Extreme
-from supersampling.stress.precision import INT8, lacks
-from supersampling.stress.trial import Distance, frames_of, reference_of
+from supersampling.stress.precision import INT8, explain_missing
+from supersampling.stress.trial import Distance, roll_reference, split_frames
 
-CALIBRATED = 16  # frames, all of the jitter's positions
+CALIBRATION_FRAMES = 16  # all positions of the jitter
 
 
-def runner_of(model: Upsampler, size: tuple[int, int], folder: Path) -> Runner:
-    """The quantised method for one size of the low-resolution input, on OpenVINO; files go to ``folder``.
+def quantise_model(model: Upsampler, size: tuple[int, int], folder: Path) -> Runner:
+    """Return the quantised method for one size of the low-resolution input, on OpenVINO; write its files to ``folder``.
 
     Raises:
-        UserError: it cannot be exported, or has nothing to quantise.
+        UserError: the model cannot be exported, or has nothing to quantise.
     """
     path = folder / "method.onnx"
     write(path, model, export(copy.deepcopy(model), size))
-    plain = clip_of(model.requires, CALIBRATED, *size, model.scale)
-    frames = [frame_of(inputs, torch.float32, "cpu") for inputs in frames_of(plain)]
-    out = quantise(path, [frames])
-    return Runner(out, OpenVINO())
+    plain = make_clip(model.requires, CALIBRATION_FRAMES, *size, model.scale)
+    frames = [make_frame(inputs, torch.float32, "cpu") for inputs in split_frames(plain)]
+    return Runner(quantise(path, [frames]), OpenVINO())
 
 
-def distance_of(runner: Runner, model: Upsampler, clip: Clip) -> Distance:
-    """Of the displayed images from those in float64."""
-    found = Distance()
+def measure_distance(runner: Runner, model: Upsampler, clip: Clip) -> Distance:
+    """Return the distance of the displayed images from those in float64."""
+    distance = Distance()
     runner.reset()
-    for inputs, output in zip(frames_of(clip), reference_of(model, clip, "cpu")):
-        image = torch.from_numpy(runner(arrays(frame_of(inputs, torch.float32, "cpu"))))
-        found.add(image, model.present(output, frame_of(inputs, torch.float64, "cpu")))
-    return found
+    for inputs, reference in zip(split_frames(clip), roll_reference(model, clip, "cpu")):
+        image = torch.from_numpy(runner(arrays(make_frame(inputs, torch.float32, "cpu"))))
+        distance.add(image, model.present(reference, make_frame(inputs, torch.float64, "cpu")))
+    return distance
 
 
 def int8_cells(name: str, model: Upsampler, extremes: Sequence[Extreme], size: tuple[int, int]) -> Iterator[Cell]:
-    """A cell for each extreme that is a change of the clip; those of the size and the scale would be other graphs."""
+    """Yield one cell per extreme that changes the clip; another size or scale would need another graph: not tried."""
     model = copy.deepcopy(model).cpu().eval()
-    why, runner = lacks("int8", "cpu"), None
+    missing, runner = explain_missing("int8", "cpu"), None
     with tempfile.TemporaryDirectory(prefix="stress-") as folder:
-        if not why:
+        if not missing:
             try:
-                runner = runner_of(model, size, Path(folder))
+                runner = quantise_model(model, size, Path(folder))
             except UserError as error:
-                why = str(error)
+                missing = str(error)
         for extreme in extremes:
             if extreme.adjust is not None or not extreme.concerns(model):
                 continue
-            width, height = extreme.low(size, model.scale)
-            scale = extreme.scale or model.scale
-            bare = Cell(
-                name, extreme.name, "int8", f"{width}x{height}", scale, extreme.frames,
-                tolerance=INT8.tolerance, says=extreme.says,
-            )  # fmt: skip
-            other = (width, height) != size or scale != model.scale
-            if runner is None or other:
-                yield replace(bare, why=why or "its graph is made for the plain size and scale")
+            low_size, scale = extreme.low_size(size, model.scale), extreme.scale or model.scale
+            cell = Cell(
+                model=name,
+                extreme=extreme.name,
+                precision="int8",
+                size=f"{low_size[0]}x{low_size[1]}",
+                scale=scale,
+                frames=extreme.frames,
+                tolerance=INT8.tolerance,
+                says=extreme.meaning,
+            )
+            if runner is None or low_size != size or scale != model.scale:
+                yield replace(cell, why=missing or "its graph is made for the plain size and scale")
                 continue
-            clip = extreme.change(clip_of(model.requires, extreme.frames, *size, model.scale))
-            found = distance_of(runner, model, clip)
-            verdict, broken = judge(found.finite, found.largest, found.mean, "", INT8.limits)
+            clip = extreme.change(make_clip(model.requires, extreme.frames, *size, model.scale))
+            distance = measure_distance(runner, model, clip)
+            verdict, reason = judge(distance.finite, distance.largest, distance.mean, "", INT8.limits)
             yield replace(
-                bare,
-                finite=found.finite,
-                largest=found.largest,
-                mean=found.mean if found.means else math.nan,
-                drift=drift_of(found.means),
+                cell,
+                finite=distance.finite,
+                largest=distance.largest,
+                mean=distance.mean if distance.means else math.nan,
+                drift=fit_drift(distance.means),
                 verdict=verdict,
-                why=broken,
+                why=reason,
             )

@@ -1,4 +1,4 @@
-"""After how many frames a model is clean again: of a frame, or a state, that is not finite."""
+"""Recovery: the number of frames until a model is clean again after a frame, or a state, that is not finite."""
 
 import copy
 import math
@@ -11,95 +11,107 @@ from torch.utils._pytree import tree_map_only
 
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
-from supersampling.stress.cell import Cell
-from supersampling.stress.clip import frame_of, inputs_at
-from supersampling.stress.precision import PRECISIONS
+from supersampling.stress.cell import Cell, Verdict
+from supersampling.stress.clip import make_frame, make_inputs
+from supersampling.stress.precision import FLOAT32
 from supersampling.stress.trial import Distance
 
-BEFORE = 6  # frames before the bad one: the longest window is full
-FLOAT32 = PRECISIONS["float32"]
+BEFORE = 6  # frames before the bad one, so that the longest window is full
 
 
 def faults(model: Upsampler) -> list[str]:
-    """NaN in each buffer that is read, in turn, then what a renderer also gives, then the state."""
-    read = sorted(model.requires)
-    light = [name for name in ("color", "radiance") if name in read]
-    return [f"{name} NaN" for name in read] + [f"{name} Inf" for name in light] + ["state NaN", "state Inf"]
+    """Return the names of the faults: NaN in each buffer that the model reads, infinite light, and a bad state."""
+    buffers = sorted(model.requires)
+    light = [name for name in ("color", "radiance") if name in buffers]
+    return [f"{name} NaN" for name in buffers] + [f"{name} Inf" for name in light] + ["state NaN", "state Inf"]
 
 
-def spoiled(frame: Frame, state: Any, fault: str) -> tuple[Frame, Any]:
-    """The frame and the state before it with the fault."""
+def inject_fault(frame: Frame, state: Any, fault: str) -> tuple[Frame, Any]:
+    """Return the frame and the state before it, with the fault."""
     name, _, kind = fault.partition(" ")
     value = math.nan if kind == "NaN" else math.inf
     if name == "state":
-        return frame, tree_map_only(Tensor, lambda t: torch.full_like(t, value), state)
+        return frame, tree_map_only(Tensor, lambda tensor: torch.full_like(tensor, value), state)
     return Frame(**{**frame.__dict__, name: torch.full_like(getattr(frame, name), value)}), state
 
 
 @torch.no_grad()
-def recovery(
+def measure_recovery(
     model: Upsampler, fault: str, size: tuple[int, int], horizon: int, device: str
 ) -> tuple[list[float], list[bool]]:
-    """Of the bad frame and the ``horizon`` frames after it: the largest distance from the undisturbed roll-out, and whether
-    all is finite."""
+    """Return, for the bad frame and the ``horizon`` frames after it, the largest distance and the finiteness.
+
+    The distance is from the undisturbed roll-out; a frame is finite if its output and its displayed image are.
+    """
     state: Any = None
-    spoilt: Any = None
-    apart, finite = [], []
+    disturbed_state: Any = None
+    distances, finite = [], []
     for t in range(BEFORE + horizon + 1):
-        frame = frame_of(inputs_at(model.requires, t, *size, model.scale), torch.float32, device)
-        before = state
+        frame = make_frame(make_inputs(model.requires, t, *size, model.scale), torch.float32, device)
+        previous = state
         output, state = model(frame, state)
         if t < BEFORE:
             continue
-        bad, spoilt = spoiled(frame, before, fault) if t == BEFORE else (frame, spoilt)
-        found, spoilt = model(bad, spoilt)
+        if t == BEFORE:
+            disturbed_frame, disturbed_state = inject_fault(frame, previous, fault)
+        else:
+            disturbed_frame = frame
+        disturbed, disturbed_state = model(disturbed_frame, disturbed_state)
         distance = Distance()
-        distance.add(found, output.double())
-        apart.append(distance.largest)
-        finite.append(distance.finite and bool(model.present(found, bad).isfinite().all()))
-    return apart, finite
+        distance.add(disturbed, output.double())
+        distances.append(distance.largest)
+        finite.append(distance.finite and bool(model.present(disturbed, disturbed_frame).isfinite().all()))
+    return distances, finite
 
 
-def frames_until(clean: list[bool]) -> float:
-    """The first index from which all are true; NaN if the last is not."""
+def count_until(clean: list[bool]) -> float:
+    """Return the first index from which all are true; NaN if the last is not."""
     if not clean[-1]:
         return math.nan
     return float(len(clean) - next((k for k, good in enumerate(reversed(clean)) if not good), len(clean)))
 
 
-def nears(apart: list[float]) -> bool:
-    """Whether the mean distance of the last quarter of the frames is below that of the quarter before: how fast a history is
-    replaced, its gates say, and random ones may hold some of it for long."""
-    quarter = max(1, len(apart) // 4)
-    return sum(apart[-quarter:]) < sum(apart[-2 * quarter : -quarter])
+def decreases(distances: list[float]) -> bool:
+    """Return whether the mean distance of the last quarter of the frames is below that of the quarter before.
+
+    A history is replaced as fast as its gates say, and random gates may keep some of it for long.
+    """
+    quarter = max(1, len(distances) // 4)
+    return sum(distances[-quarter:]) < sum(distances[-2 * quarter : -quarter])
+
+
+def _judge(distances: list[float], finite: list[bool], clean: float) -> tuple[Verdict, str]:
+    horizon = len(distances) - 1
+    bad = count_until(finite)
+    if math.isnan(bad):
+        return "fails", f"not finite after {horizon} frames"
+    if not math.isnan(clean):
+        return "holds", f"not finite for {bad:.0f} frames" if bad > 0 else ""
+    distance = f"{distances[-1]:.2g} away after {horizon} frames"
+    if decreases(distances):
+        return "holds", f"{distance}, and nearing"
+    return "fails", f"{distance}, no longer nearing"
 
 
 def recovery_cells(name: str, model: Upsampler, size: tuple[int, int], horizon: int, device: str) -> Iterator[Cell]:
-    """A cell for each fault; ``value`` is the number of frames that are not as they should be, the bad one among them."""
+    """Yield one cell per fault; ``value`` is the number of frames that are not clean, including the bad one."""
     model = copy.deepcopy(model).eval()
     for fault in faults(model):
-        apart, finite = recovery(model, fault, size, horizon, device)
-        clean = frames_until([f and a <= FLOAT32.largest for a, f in zip(apart, finite)])
-        lasting = frames_until(finite)
-        why = f"not finite for {lasting:.0f} frames" if lasting > 0 else ""
-        if math.isnan(lasting):
-            why = f"not finite after {horizon} frames"
-        elif math.isnan(clean):
-            why = (
-                f"{apart[-1]:.2g} away after {horizon} frames, {'and nearing' if nears(apart) else 'no longer nearing'}"
-            )
+        distances, finite = measure_recovery(model, fault, size, horizon, device)
+        clean = count_until([f and d <= FLOAT32.largest for d, f in zip(distances, finite)])
+        verdict, reason = _judge(distances, finite, clean)
         yield Cell(
-            name,
-            f"recovery/{fault}",
-            "float32",
-            f"{size[0]}x{size[1]}",
-            model.scale,
-            horizon + 1,
+            model=name,
+            extreme=f"recovery/{fault}",
+            precision="float32",
+            size=f"{size[0]}x{size[1]}",
+            scale=model.scale,
+            frames=horizon + 1,
             finite=all(finite),
-            largest=max(apart),
+            largest=max(distances),
             value=clean,
             tolerance=f"clean or nearing, {horizon} frames",
-            verdict="holds" if not math.isnan(clean) or (not math.isnan(lasting) and nears(apart)) else "fails",
-            why=why,
+            verdict=verdict,
+            why=reason,
             says="Frames until finite and within float32's tolerance of the undisturbed roll-out.",
         )

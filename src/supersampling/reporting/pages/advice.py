@@ -13,8 +13,8 @@ from supersampling.reporting.pages.section import Section
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Store
+from supersampling.runs.tables import CONTRIBUTIONS, SUMMARY
 
-SUMMARY, PARTS = "summary.json", "contributions.json"
 Row = dict[str, Any]
 
 
@@ -45,7 +45,7 @@ def sheets(store: Store, experiment_id: str) -> list[Sheet]:
 
 def _tables(store: Store, experiment_id: str) -> list[tuple[str, pd.DataFrame, pd.DataFrame]]:
     """Return machine, summary and parts of the newest finished run for each scene and space."""
-    parts = {run.id: table for run, table in store.logged(experiment_id, "advice", PARTS)}
+    parts = {run.id: table for run, table in store.logged(experiment_id, "advice", CONTRIBUTIONS)}
     newest = {}
     for run, summary in store.logged(experiment_id, "advice", SUMMARY):
         if len(summary) and run.id in parts:

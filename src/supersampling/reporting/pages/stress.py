@@ -10,8 +10,8 @@ from supersampling.reporting.pages.report import Report
 from supersampling.reporting.pages.section import Section
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.runs.store import Store
+from supersampling.runs.tables import STRESS
 
-TABLE = "stress.json"
 ROWS_PER_SHEET = 34
 SHORT = {"float32": "f32", "bfloat16": "bf16", "float16": "f16"}
 # Groups of extremes with tables of their own.
@@ -38,7 +38,7 @@ def section(report: Report) -> Section | None:
 
 def sheets(store: Store, experiment_id: str) -> list[Sheet]:
     """Return the sheets of the newest finished stress run; none without a run whose table can be read."""
-    runs = store.logged(experiment_id, "stress", TABLE)
+    runs = store.logged(experiment_id, "stress", STRESS)
     if not runs:
         return []
     run, table = runs[-1]
