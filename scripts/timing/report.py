@@ -123,7 +123,7 @@ def main() -> None:
 
 def measure(uri: str, output: Path) -> None:
     folders = {name: str(ROOT / "reports" / name) for name in ("published", "templates")}
-    options = {"tracking_uri": uri, "experiment": "supersampling", "output": str(output)}
+    options = {"tracking_uri": uri, "experiment_name": "supersampling", "output": str(output)}
     cfg = OmegaConf.create(options | folders | dict.fromkeys(("paper", "dataset", "budget")))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     start, processor = time.perf_counter(), time.process_time()
