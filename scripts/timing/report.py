@@ -19,7 +19,7 @@ from mlflow import MlflowClient
 from mlflow.entities import Metric, Param
 from omegaconf import OmegaConf
 
-from supersampling.commands.report import write_report
+from supersampling.commands.report import report
 from supersampling.metrics.scores import FILE, Scores, write_scores
 from supersampling.reporting.papers.published import load_papers
 from supersampling.reporting.papers.schema import Paper, Selection
@@ -123,11 +123,11 @@ def main() -> None:
 
 def measure(uri: str, output: Path) -> None:
     folders = {name: str(ROOT / "reports" / name) for name in ("published", "templates")}
-    options = {"tracking_uri": uri, "experiment": "supersampling", "output": str(output)}
+    options = {"tracking_uri": uri, "experiment_name": "supersampling", "output": str(output)}
     cfg = OmegaConf.create(options | folders | dict.fromkeys(("paper", "dataset", "budget")))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     start, processor = time.perf_counter(), time.process_time()
-    written = write_report(cfg)
+    written = report(cfg)
     seconds, processor = time.perf_counter() - start, time.process_time() - processor
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     times = f"{seconds:.1f} s, of which {processor:.1f} s on a core"
