@@ -6,8 +6,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from mlflow import MlflowClient
-from supersampling.reporting.pages.advice_sheet import sheets
 
+from supersampling.reporting.pages.advice import sheets
 from supersampling.runs.store import Store
 
 SUMMARY = {

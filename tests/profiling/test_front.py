@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from supersampling.reporting.pages.overview import Method
 from trade_cases import NO, candidate, clip_scores, run, timing
 
-from supersampling.reporting.trade.front import Candidate, Place, candidates, front, gap, places, plus
+from supersampling.reporting.methods import Method
+from supersampling.reporting.trade.front import Candidate, Place, front, gap, list_candidates, places, plus
 from supersampling.runs.statistics import Estimate, paired_difference
 
 # Few values, so that ties are many.
@@ -64,7 +64,7 @@ def test_times_are_joined_with_the_quality_of_their_architecture():
         timing(4.0, "b", architecture="B"),
         timing(1.0, "other", architecture="X"),
     ]
-    found = candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
+    found = list_candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
     assert [(c.label, c.how, c.ms) for c in found] == [
         ("a", "eager float32", 3.0),  # the newer of two
         ("a", "openvino float32", 2.0),
@@ -87,7 +87,7 @@ def test_gaps_are_paired_over_clips():
         timing(0.5, architecture="A", backend="openvino", precision="int8"),
         timing(4.0, architecture="B"),
     ]
-    exact, also, coarse, other = candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
+    exact, also, coarse, other = list_candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
     tables = [CLIPS[name]["psnr"].to_numpy() for name in ("a-0", "a-1")]
     expected = paired_difference(np.stack(tables), CLIPS["b-0"]["psnr"].to_numpy(), CLIPS["b-0"]["scene"])
     assert gap(exact, other, CLIPS) == expected

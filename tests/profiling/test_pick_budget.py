@@ -3,11 +3,11 @@
 import math
 
 import pytest
-from supersampling.reporting.pages.overview import Method
 from trade_cases import NO, candidate, clip_scores, run, timing
 
 from supersampling.errors import UserError
-from supersampling.reporting.trade.front import Candidate, candidates
+from supersampling.reporting.methods import Method
+from supersampling.reporting.trade.front import Candidate, list_candidates
 from supersampling.reporting.trade.pick import Rendering, paired, sentences, upper, within_db, within_ms
 from supersampling.runs.statistics import Estimate
 
@@ -110,7 +110,7 @@ def test_real_statistics_of_one_seed_pair_scenes():
     names = {"a": (30.0, 1, 0.02), "b": (29.9, 2, 0.02), "c": (29.99, 3, 0.05)}
     clips = {f"{name}-0": clip_scores(*how) for name, how in names.items()}
     timings = [timing(ms, name) for name, ms in zip(names, (9.0, 5.0, 2.0))]
-    found = candidates(
+    found = list_candidates(
         [Method(name, [run(name)], True) for name in names], timings, {f"{n}-0": n for n in names}, clips, {}
     )
     answer = within_ms(found, 10.0, ALONE, paired(clips))
@@ -125,20 +125,20 @@ def test_real_statistics_of_one_seed_pair_scenes():
 
 @pytest.mark.parametrize("ms", [0, 0.0, -1.0, NO, math.inf, "soon", True])
 def test_a_time_that_is_none(ms):
-    with pytest.raises(UserError, match=rf"pick.ms={ms} .* fastest here is plain .*1 ms"):
+    with pytest.raises(UserError, match=rf"Invalid ms={ms}: .* fastest here is plain .*1 ms"):
         within_ms(TABLE, ms, ALONE, gaps(0.1))
 
 
 @pytest.mark.parametrize("db", [-0.1, NO, math.inf, "little"])
 def test_a_loss_that_is_none(db):
-    with pytest.raises(UserError, match=rf"pick.db={db} .*plain"):
+    with pytest.raises(UserError, match=rf"Invalid db={db}: .*plain"):
         within_db(TABLE, db, ALONE, gaps(0.1))
 
 
 def test_a_time_that_nothing_keeps():
-    with pytest.raises(UserError, match=r"within pick.ms=0.5: the fastest is plain .*1 ms"):
+    with pytest.raises(UserError, match=r"within ms=0.5: use more; the fastest is plain .*1 ms"):
         within_ms(TABLE, 0.5, ALONE, gaps(0.1))
-    with pytest.raises(UserError, match=r"within pick.ms=2: .* with its rendering 4 ms"):
+    with pytest.raises(UserError, match=r"within ms=2: .* with its rendering 4 ms"):
         within_ms(TABLE, 2.0, Rendering(3.0), gaps(0.1))
 
 
@@ -160,7 +160,16 @@ def test_rendering_counts_and_says_whether_upscaling_pays():
     )
 
 
-@pytest.mark.parametrize(("low", "high"), [(0.0, None), (-1.0, 5.0), (NO, None), (3.0, 0.0), (None, 5.0)])
-def test_rendering_that_is_none(low, high):
-    with pytest.raises(UserError, match="render."):
+@pytest.mark.parametrize(
+    ("low", "high", "message"),
+    [
+        (0.0, None, "Invalid low_ms=0.0"),
+        (-1.0, 5.0, "Invalid low_ms=-1.0"),
+        (NO, None, "Invalid low_ms=nan"),
+        (3.0, 0.0, "Invalid high_ms=0.0"),
+        (None, 5.0, "high_ms=5.0 needs low_ms"),
+    ],
+)
+def test_invalid_rendering(low, high, message):
+    with pytest.raises(UserError, match=message):
         Rendering.of(low, high)

@@ -41,7 +41,7 @@ def timing(ms: float, name: str = "m", high: float | None = None, **more) -> Tim
 
 def candidate(name: str, db: float, ms: float, high: float | None = None, half: float = 0.1, **more) -> Candidate:
     quality = Estimate(db, db - half, db + half, 10, 5)
-    return Candidate(name, (run(name),), quality, timing(ms, name, high, **more))
+    return Candidate(label=name, runs=(run(name),), quality=quality, timing=timing(ms, name, high, **more))
 
 
 def clip_scores(mean: float, seed: int, noise: float = 0.0, clips: int = 2) -> pd.DataFrame:

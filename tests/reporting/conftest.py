@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 from stored_runs import CLASSICAL, Log, config
 
-from supersampling.commands.report import write_report
+from supersampling.commands.report import report
 
 
 @pytest.fixture(scope="session")
@@ -28,7 +28,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Log]:
 
 
 @pytest.fixture(scope="session")
-def report(log: Log, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def reports(log: Log, tmp_path_factory: pytest.TempPathFactory) -> Path:
     output = tmp_path_factory.mktemp("out")
-    write_report(config(log, output))
+    report(config(log, output))
     return output

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from made_runs import made_run
-from supersampling.reporting.pages.claim_sheets import counts, long_form, rows
+from example_runs import example_run
 
+from supersampling.reporting.pages.claims import counts, long_form, rows
 from supersampling.reporting.papers.claims import Judged, choose_claim, judge, side
 from supersampling.reporting.papers.schema import Claim, Series
 from supersampling.reporting.settings import choose
@@ -21,7 +21,7 @@ SCENES = ("arena", "bar", "foundry", "louvres", "market", "sundial")
 SCENE = dict(zip(SCENES, (4.0, -3.0, 1.0, 0.0, -4.0, 2.0)))
 
 
-run = partial(made_run, model="nsrr", budget="laptop")
+run = partial(example_run, model="nsrr", budget="laptop")
 
 
 def clips(gains: dict[str, float] | float, base: float = 30.0, metric: str = "psnr") -> pd.DataFrame:

@@ -6,17 +6,18 @@ from pathlib import Path
 import matplotlib
 import pandas as pd
 import pytest
-from made_runs import made_run
+from example_runs import example_run
 from matplotlib.figure import Figure
 
-from supersampling.reporting.figures import plots
+from supersampling.reporting.figures import published
+from supersampling.reporting.papers.figures import FigureRuns, choose_figure
 from supersampling.reporting.papers.schema import PublishedFigure, Series
 from supersampling.reporting.settings import choose
 
 matplotlib.use("pdf")
 
 
-run = partial(made_run, model="nsrr", budget="laptop", metrics={"model/parameters": 1000.0})
+run = partial(example_run, model="nsrr", budget="laptop", metrics={"model/parameters": 1000.0})
 
 
 RUNS = [run(f"p{n}", model__previous=n) for n in (10, 2, 0)] + [run("d", model="dlctus")]
@@ -50,8 +51,8 @@ def figure(kind: str, x: str | None = None, series: list[Series] = BOTH) -> Publ
     )
 
 
-def chosen(stated: PublishedFigure) -> plots.FigureRuns:
-    return plots.choose_figure(stated, choose(RUNS, None, None))
+def chosen(stated: PublishedFigure) -> FigureRuns:
+    return choose_figure(stated, choose(RUNS, None, None))
 
 
 def test_a_parameters_values_are_points_in_the_order_of_numbers() -> None:
@@ -62,7 +63,7 @@ def test_a_parameters_values_are_points_in_the_order_of_numbers() -> None:
         "10": ["p10"],
     }
     ax = Figure().subplots()
-    assert plots._curve(ax, found, CLIPS) == 1
+    assert published._curve(ax, found, CLIPS) == 1
     assert list(ax.lines[0].get_xdata()) == [0, 2, 10]
     assert list(ax.lines[0].get_ydata()) == [25.0, 24.0, 23.0]
 
@@ -71,7 +72,7 @@ def test_frames_are_means_over_clips() -> None:
     found = chosen(figure("curve", "frame", BOTH[1:2]))
     assert found.over_frames
     ax = Figure().subplots()
-    assert plots._frame_curve(ax, found, FRAMES) == 1
+    assert published._frame_curve(ax, found, FRAMES) == 1
     assert list(ax.lines[0].get_ydata()) == [25.0, 26.0, 27.0]
 
 
@@ -88,11 +89,11 @@ def test_frames_are_means_over_clips() -> None:
 def test_every_kind_is_drawn_the_same_twice_and_says_what_is_missing(tmp_path: Path, kind: str, x: str | None) -> None:
     found = chosen(figure(kind, x))
     assert found.missing == ["none"]
-    assert all(plots.draw(found, CLIPS, FRAMES, "PSNR (dB)", tmp_path / name) for name in ("a.pdf", "b.pdf"))
+    assert all(published.draw(found, CLIPS, FRAMES, "PSNR (dB)", tmp_path / name) for name in ("a.pdf", "b.pdf"))
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
 
 
 def test_nothing_is_written_where_nothing_was_run(tmp_path: Path) -> None:
     found = chosen(figure("box", series=BOTH[2:]))
-    assert not plots.draw(found, CLIPS, FRAMES, "PSNR (dB)", tmp_path / "a.pdf")
+    assert not published.draw(found, CLIPS, FRAMES, "PSNR (dB)", tmp_path / "a.pdf")
     assert list(tmp_path.iterdir()) == []

@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 from supersampling.errors import UserError
-from supersampling.reporting.papers.published import Paper, load_paper
+from supersampling.reporting.papers.published import load_paper
+from supersampling.reporting.papers.schema import Paper
 
 FILE = Path(__file__).resolve().parents[2] / "reports" / "published" / "dlctus.yaml"
 
@@ -80,10 +81,10 @@ def _set(raw: Any, path: tuple[Any, ...], value: Any) -> None:
 @pytest.mark.parametrize(
     ("path", "value", "told"),
     [
-        (("tables", 0, "page"), "p. 34", "page: expected int"),
-        (("tables", 0, "number"), "10", "must be unique"),
-        (("tables", 0, "rows", 0, "values", 1), [31.73], "row .*4×4.* must hold"),
-        (("tables", 0, "rows", 0, "values", 1), ["31.73 dB", 0.88], "expected float"),
+        (("tables", 0, "page"), "p. 34", "page: Invalid value 'p. 34': use a whole number"),
+        (("tables", 0, "number"), "10", "table numbers: 10 more than once"),
+        (("tables", 0, "rows", 0, "values", 1), [31.73], "Invalid values=.* of row .*4×4.*: use .* numbers by column"),
+        (("tables", 0, "rows", 0, "values", 1), ["31.73 dB", 0.88], "Invalid value '31.73 dB': use a number"),
         (("tables", 0, "columns", 0, "metrics"), ["vmaf", "psnr"], "vmaf"),
         (("tables", 0, "compare"), "diagonal", "diagonal"),
         (("metrics", "psnr", "better"), "bigger", "bigger"),
@@ -104,5 +105,5 @@ def test_a_file_that_is_missing_or_no_yaml(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="no published numbers"):
         load_paper(tmp_path / "none.yaml")
     (tmp_path / "broken.yaml").write_text("tables: [", encoding="utf-8")
-    with pytest.raises(UserError, match="not valid YAML"):
+    with pytest.raises(UserError, match="Invalid YAML in .*broken.yaml"):
         load_paper(tmp_path / "broken.yaml")

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from supersampling.reporting.papers.published import Paper, load_paper
+from supersampling.reporting.papers.published import load_paper
+from supersampling.reporting.papers.schema import Paper
 
 FOLDER = Path(__file__).resolve().parents[2] / "reports" / "published"
 

@@ -9,11 +9,11 @@ import pytest
 from pypdf import PdfReader
 from stored_runs import FINGERPRINT, ROOT, Log, config, mean_of, ours
 
-from supersampling.commands.report import write_report
+from supersampling.commands.report import report
 
 
-def test_a_cell_is_the_mean_over_clips_and_seeds(report: Path, log: Log) -> None:
-    table = ours(report, 2)
+def test_a_cell_is_the_mean_over_clips_and_seeds(reports: Path, log: Log) -> None:
+    table = ours(reports, 2)
     seeds = tuple(f"dlctus l1 seed={seed} x4" for seed in range(3))
     cell = table.loc["4×4/1", "DLCTUS", "PSNR"]
     assert cell.ours == pytest.approx(mean_of(log, "psnr", seeds), abs=1e-9)
@@ -23,23 +23,23 @@ def test_a_cell_is_the_mean_over_clips_and_seeds(report: Path, log: Log) -> None
     assert table.loc["4×4/1", "DLCTUS", "SSIM"].ours == pytest.approx(mean_of(log, "mssim_thesis", seeds), abs=1e-9)
 
 
-def test_what_was_not_run_or_lacks_is_said(report: Path) -> None:
-    assert ours(report, 2).loc["4×4/1", "Xiao et al.", "PSNR"].state == "not run"
-    assert "not measured" in set(ours(report, 7).state)
-    assert set(ours(report, 7).loc["1"].state) == {"not available"}
-    assert ours(report, 2).loc["2×2/2", "DLCTUS", "PSNR"].state == "not run"
-    assert ours(report, 14).loc["4×4/1", "dilated motion vectors", "PSNR"].state == "not run"
+def test_what_was_not_run_or_lacks_is_said(reports: Path) -> None:
+    assert ours(reports, 2).loc["4×4/1", "Xiao et al.", "PSNR"].state == "not run"
+    assert "not measured" in set(ours(reports, 7).state)
+    assert set(ours(reports, 7).loc["1"].state) == {"not available"}
+    assert ours(reports, 2).loc["2×2/2", "DLCTUS", "PSNR"].state == "not run"
+    assert ours(reports, 14).loc["4×4/1", "dilated motion vectors", "PSNR"].state == "not run"
 
 
-def test_another_data_set_fills_only_its_own_row_and_is_named(report: Path) -> None:
-    cell = ours(report, 2).loc["2×2/1", "JAU", "PSNR"]
+def test_another_data_set_fills_only_its_own_row_and_is_named(reports: Path) -> None:
+    cell = ours(reports, 2).loc["2×2/1", "JAU", "PSNR"]
     assert 42 < cell.ours < 46
     assert "77aa00bb" in cell.setting
-    assert "77aa00bb" in (report / "dlctus_table2.md").read_text()
+    assert "77aa00bb" in (reports / "dlctus_table2.md").read_text()
 
 
-def test_losses_are_found_by_theta_at_the_scale_that_was_run(report: Path, log: Log) -> None:
-    table = ours(report, 10)
+def test_losses_are_found_by_theta_at_the_scale_that_was_run(reports: Path, log: Log) -> None:
+    table = ours(reports, 10)
     percent = table.loc["θ = 0.5", "SSIM × 100", "SSIM × 100"]
     assert percent.ours == pytest.approx(100 * mean_of(log, "mssim_thesis", ("dlctus theta=0.5 seed=0 x4",)))
     assert percent.published == 93.58
@@ -47,10 +47,10 @@ def test_losses_are_found_by_theta_at_the_scale_that_was_run(report: Path, log: 
     assert "4×4, matched, data=laptop (3fa9c077), budget=laptop" in table.iloc[0].setting
 
 
-def test_the_lead_of_the_best_is_paired_over_clips(report: Path, log: Log) -> None:
+def test_the_lead_of_the_best_is_paired_over_clips(reports: Path, log: Log) -> None:
     seeds = tuple(f"dlctus l1 seed={seed} x4" for seed in range(3))
     lead = mean_of(log, "psnr", seeds) - mean_of(log, "psnr", ("dlctus accumulate=none l1 seed=0 x4",))
-    text = (report / "dlctus_table16.md").read_text()
+    text = (reports / "dlctus_table16.md").read_text()
     found = re.search(r"paired over clips: 4×4/1 ([\d.]+) \(([\d.]+) to ([\d.]+)\)", text)
     assert found is not None
     mean, low, high = map(float, found.groups())
@@ -59,8 +59,8 @@ def test_the_lead_of_the_best_is_paired_over_clips(report: Path, log: Log) -> No
     assert 0 < high - low < 0.3
 
 
-def test_the_pdf_holds_the_report(report: Path) -> None:
-    reader = PdfReader(report / "dlctus.pdf")
+def test_the_pdf_holds_the_report(reports: Path) -> None:
+    reader = PdfReader(reports / "dlctus.pdf")
     text = " ".join(page.extract_text() for page in reader.pages)
     text = re.sub(r"\s+", " ", text)
     for expected in (
@@ -77,22 +77,22 @@ def test_the_pdf_holds_the_report(report: Path) -> None:
     assert len(reader.pages) <= 12
 
 
-def test_the_same_runs_give_the_same_bytes(report: Path, log: Log, tmp_path: Path) -> None:
-    write_report(config(log, tmp_path))
-    names = sorted(path.name for path in report.iterdir())
+def test_the_same_runs_give_the_same_bytes(reports: Path, log: Log, tmp_path: Path) -> None:
+    report(config(log, tmp_path))
+    names = sorted(path.name for path in reports.iterdir())
     assert names == sorted(path.name for path in tmp_path.iterdir())
     assert not [name for name in names if name.startswith(".")]
     same_day = (
         datetime.datetime.now(datetime.UTC).date().isoformat()
-        in PdfReader(report / "dlctus.pdf").pages[0].extract_text()
+        in PdfReader(reports / "dlctus.pdf").pages[0].extract_text()
     )
     for name in names:
         if same_day or name != "dlctus.pdf":
-            assert (report / name).read_bytes() == (tmp_path / name).read_bytes(), name
+            assert (reports / name).read_bytes() == (tmp_path / name).read_bytes(), name
 
 
-def test_a_claim_is_judged_on_paired_clips(report: Path, log: Log) -> None:
-    claims = pd.read_csv(report / "dlctus_claims.csv").set_index("claim")
+def test_a_claim_is_judged_on_paired_clips(reports: Path, log: Log) -> None:
+    claims = pd.read_csv(reports / "dlctus_claims.csv").set_index("claim")
     told = claims[claims.statement.str.contains("ahead of jitter-aligned")].iloc[0]
     lead = mean_of(log, "psnr", ("tus x4",)) - mean_of(log, "psnr", ("jau x4",))
     assert told.verdict == "reproduced"
@@ -102,11 +102,11 @@ def test_a_claim_is_judged_on_paired_clips(report: Path, log: Log) -> None:
     assert "not run" in set(claims.verdict)
 
 
-def test_all_papers_and_an_overview(log: Log, report: Path, tmp_path: Path) -> None:
+def test_all_papers_and_an_overview(log: Log, reports: Path, tmp_path: Path) -> None:
     papers = sorted(path.stem for path in (ROOT / "reports" / "published").glob("*.yaml"))
-    written = write_report(config(log, tmp_path, paper=None))
+    written = report(config(log, tmp_path, paper=None))
     assert [path.name for path in written] == [*(f"{name}.pdf" for name in papers), "overview.pdf"]
-    alone, among_all = (folder / "dlctus_overview.csv" for folder in (report, tmp_path))
+    alone, among_all = (folder / "dlctus_overview.csv" for folder in (reports, tmp_path))
     assert alone.read_text() == among_all.read_text()
     text = " ".join(page.extract_text() for page in PdfReader(tmp_path / "overview.pdf").pages)
     assert "All methods and all claims" in text

@@ -17,7 +17,7 @@ from mlflow.exceptions import MlflowException
 from pypdf import PdfReader
 from stored_runs import FINGERPRINT, ROOT, Log, config, ours
 
-from supersampling.commands.report import write_report
+from supersampling.commands.report import report
 from supersampling.errors import UserError
 
 
@@ -52,7 +52,7 @@ def test_a_table_that_is_broken_or_missing_is_told_and_the_rest_is_reported(
     """Its run shows the logged average, without an interval."""
     broken, path = clips_of(log, "jau x4")
     with changed(path, content):
-        write_report(config(log, tmp_path))
+        report(config(log, tmp_path))
     assert f"run {broken[:12]}: {told}" in capsys.readouterr().out
     text = words(tmp_path)
     assert "1 of the runs lack values" in text
@@ -70,7 +70,7 @@ def test_a_value_that_is_not_a_number_leaves_its_clip_out_and_is_told(log: Log, 
     kept = [row[column] for row in table["data"]]
     table["data"][5][column] = float("nan")
     with changed(path, json.dumps(table).encode()):
-        write_report(config(log, tmp_path))
+        report(config(log, tmp_path))
     assert "psnr has no value on clip 1 of foundry: left out" in words(tmp_path)
     cell = ours(tmp_path, 2).loc["4×4/1", "JAU", "PSNR"]
     assert cell.clips == 11
@@ -92,7 +92,7 @@ def test_a_store_that_goes_away_half_way_leaves_cells_without_intervals_and_says
 
     monkeypatch.setattr(MlflowClient, "download_artifacts", gone)
     monkeypatch.setattr(MlflowClient, "get_metric_history", no_history)
-    write_report(config(log, tmp_path, paper=None))
+    report(config(log, tmp_path, paper=None))
     assert "clips.json could not be downloaded (Connection refused)" in words(tmp_path)
     assert "Connection refused" in " ".join(page.extract_text() for page in PdfReader(tmp_path / "overview.pdf").pages)
 
@@ -105,7 +105,7 @@ def test_a_store_that_gives_nothing_at_all_is_an_error(
 
     monkeypatch.setattr(MlflowClient, "download_artifacts", gone)
     with pytest.raises(UserError, match="gave none of the runs' scores"):
-        write_report(config(log, tmp_path / "out"))
+        report(config(log, tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
 
@@ -116,17 +116,17 @@ def test_runs_of_another_version_fill_only_what_their_parameters_still_mean(tmp_
         log.run(model, 31.0, f"{model} x4")
     log.run("jau", 44.0, "old", params={"task.mip_bias": ""}, tags={"ss.version": "0.0.1"})
     out = tmp_path / "out"
-    write_report(config(log, out))
+    report(config(log, out))
     assert ours(out, 2).loc["4×4/1", "JAU", "PSNR"].ours < 40
     assert "0.0.1" not in words(out)
-    write_report(config(log, out, dataset=FINGERPRINT[:4]))
+    report(config(log, out, dataset=FINGERPRINT[:4]))
     assert "1 finished ones of other settings" in words(out)
 
 
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"experiment": "nothing"}, "nothing"),
+        ({"experiment_name": "nothing"}, "nothing"),
         ({"tracking_uri": "sqlite:///no/such.db"}, "no/such.db"),
         ({"tracking_uri": "http://127.0.0.1:9"}, "127.0.0.1:9"),
         ({"dataset": "zz"}, "zz"),
@@ -136,7 +136,7 @@ def test_runs_of_another_version_fill_only_what_their_parameters_still_mean(tmp_
 )
 def test_mistakes_are_told(log: Log, tmp_path: Path, change: dict[str, str], told: str) -> None:
     with pytest.raises(UserError, match=re.escape(told)):
-        write_report(config(log, tmp_path / "out", **change))
+        report(config(log, tmp_path / "out", **change))
     assert not (tmp_path / "out").exists()
 
 

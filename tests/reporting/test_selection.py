@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from made_runs import made_run
+from example_runs import example_run
 
 from supersampling.errors import UserError
 from supersampling.reporting.selection import choose_runs, matches, one_per_seed, pools_for
@@ -14,7 +14,7 @@ from supersampling.runs.store import Run
 def run(name: str, ended: int = 0, dataset: str = "aaaa", **params: Any) -> Run:
     """With a budget where there is something to learn."""
     budget = {} if params.get("model") == "jau" else {"budget": "laptop"}
-    return made_run(name, ended, dataset, **{**budget, **params})
+    return example_run(name, ended, dataset, **{**budget, **params})
 
 
 def names(runs: list[Run]) -> list[str]:
@@ -53,9 +53,9 @@ def test_budgets_never_mix_but_untrained_methods_join() -> None:
 
 def test_unknown_choices_name_what_is_there() -> None:
     runs = [run("a", dataset="aa11"), run("b", dataset="aa22")]
-    with pytest.raises(UserError, match="several.*aa11, aa22"):
+    with pytest.raises(UserError, match="Several data sets begin with dataset=aa: choose one of aa11, aa22"):
         choose(runs, "aa", None)
-    with pytest.raises(UserError, match="choose one of laptop"):
+    with pytest.raises(UserError, match="No finished run has budget=paper: choose one of laptop"):
         choose(runs, None, "paper")
 
 

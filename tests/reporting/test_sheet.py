@@ -4,16 +4,25 @@ import math
 
 import pytest
 
+from supersampling.reporting.format import plus_minus, typeset
 from supersampling.reporting.pages.sheet import Sheet, Text, latex, markdown
 from supersampling.reporting.papers.schema import Metric
-from supersampling.reporting.papers.tables import number, ranks
+from supersampling.reporting.papers.tables import ranks
 from supersampling.runs.statistics import Estimate
 
 SHEET = Sheet(
-    "table2", "100% & more.", [("", 1), ("A|B", 2)], ["loss", "thesis", "ours"],
-    [[Text("θ_1"), Text("1.0"), Text("2.0 ± 0.1", "bold")], [Text("$x"), Text("", "muted"), Text("not run", "muted")]],
-    labels=1, notes=["Note."], rules=[0, 1],
-)  # fmt: skip
+    name="table2",
+    title="100% & more.",
+    groups=[("", 1), ("A|B", 2)],
+    headers=["loss", "thesis", "ours"],
+    rows=[
+        [Text("θ_1"), Text("1.0"), Text("2.0 ± 0.1", "bold")],
+        [Text("$x"), Text("", "muted"), Text("not run", "muted")],
+    ],
+    labels=1,
+    notes=["Note."],
+    rules=[0, 1],
+)
 
 
 def test_markdown_escapes_pipes_and_repeats_the_spanning_head() -> None:
@@ -45,13 +54,13 @@ def test_latex_escapes_and_has_as_many_cells_in_each_line() -> None:
     ],
 )
 def test_ranks_count_values_as_printed(values: list[float], better: str, expected: list[str]) -> None:
-    metric = Metric("PSNR", "dB", better, 2, "psnr")  # type: ignore[arg-type]
+    metric = Metric(label="PSNR", unit="dB", better=better, decimals=2, ours="psnr")  # type: ignore[arg-type]
     styles = ranks({(0, index): value for index, value in enumerate(values)}, metric)
     assert [styles[0, index] for index in range(len(values))] == expected
 
 
 def test_numbers_in_print() -> None:
-    assert number(Estimate(34.368, 34.1, 34.7, 8), 2) == "34.37 ± 0.30"
-    assert number(Estimate(34.368, math.nan, math.nan, 1), 2) == "34.37"
-    assert number(Estimate(-0.5, -0.6, -0.4, 8), 1, sign=True) == "−0.5 ± 0.1"
-    assert number(Estimate(math.inf, math.nan, math.nan, 2), 2) == "∞"
+    assert typeset(plus_minus(Estimate(34.368, 34.1, 34.7, 8), 2)) == "34.37 ± 0.30"
+    assert typeset(plus_minus(Estimate(34.368, math.nan, math.nan, 1), 2)) == "34.37"
+    assert typeset(plus_minus(Estimate(-0.5, -0.6, -0.4, 8), 1, sign=True)) == "−0.5 ± 0.1"
+    assert typeset(plus_minus(Estimate(math.inf, math.nan, math.nan, 2), 2)) == "∞"

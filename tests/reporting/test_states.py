@@ -1,11 +1,13 @@
 from pathlib import Path
 
 import numpy as np
-from made_runs import made_run
+from example_runs import example_run
 from PIL import Image
-from supersampling.reporting.pages.overview import Method
 
-from supersampling.reporting.figures.states import state_tables
+from supersampling.reporting.figures.states import CAPTION, state_galleries
+from supersampling.reporting.methods import Method
+from supersampling.reporting.pages.section import Picture
+from supersampling.reporting.pages.sheet import Text
 
 
 def grey(path: Path, level: int) -> None:
@@ -22,14 +24,18 @@ def test_each_picture_of_a_state_stands_below_its_own_target(tmp_path: Path) -> 
             grey(crops / f"{index}_hall_{index}{suffix}.png", index)
         if index != 4:
             grey(states / f"{index}_hall_{index}_accumulation.png", 100 + index)
-    found = [Method("dlctus x4", [made_run("a")], True), Method("tus x4", [made_run("b")], True)]
-    tables = state_tables(found, {"a": states}, {"a": crops, "b": crops}, out)
-    assert [(table.label, table.name) for table in tables] == [("dlctus x4", "accumulation")]
+    methods = [Method("dlctus x4", [example_run("a")], True), Method("tus x4", [example_run("b")], True)]
+    (gallery,) = state_galleries(methods, {"a": states}, {"a": crops, "b": crops}, out)
+    assert gallery.caption == [Text("dlctus x4: accumulation", "bold"), Text(CAPTION)]
     expected = [index for index in range(11) if index != 4]
-    assert tables[0].scenes == [f"hall_{index}" for index in expected]
+    (row,) = gallery.rows
+    scenes, targets, images = row.lines
+    assert scenes == [Text(f"hall_{index}") for index in expected]
 
-    def levels(names: list[str]) -> list[int]:
+    def levels(pictures: list[Picture | Text]) -> list[int]:
+        names = [item.picture for item in pictures if isinstance(item, Picture)]
+        assert len(names) == len(pictures)
         return [int(np.asarray(Image.open(out / name))[0, 0, 0]) for name in names]
 
-    assert levels(tables[0].targets) == expected
-    assert levels(tables[0].images) == [100 + index for index in expected]
+    assert levels(targets) == expected
+    assert levels(images) == [100 + index for index in expected]

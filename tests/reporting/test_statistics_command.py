@@ -13,7 +13,7 @@ from mlflow import MlflowClient
 from mlflow.entities import Param
 from omegaconf import OmegaConf
 
-from supersampling.commands.compare import compare_command
+from supersampling.commands.compare import compare
 from supersampling.commands.typed import as_typed
 from supersampling.errors import UserError
 from supersampling.metrics.scores import FILE, Scores, write_scores
@@ -75,7 +75,7 @@ def command(store: tuple[str, dict[str, str]], capsys: pytest.CaptureFixture[str
             given = [*words, f"tracking_uri={store[0]}"]
             cfg = compose("compare", given, return_hydra_config=True)
         HydraConfig.instance().set_config(cfg)
-        compare_command(cfg)
+        compare(cfg)
         return capsys.readouterr().out
 
     yield run
@@ -111,13 +111,17 @@ def test_an_evaluation_stands_beside_a_job(command, store):
 
 @pytest.mark.parametrize("start", ["95e41234", "3e7", "12345678", "0e12", "1_000"])
 def test_beginnings_of_ids_that_look_like_numbers_stay_as_typed(command, start):
-    with pytest.raises(UserError, match=f"a='{start}' is no finished run or method: choose one of dlctus, tus, or"):
+    with pytest.raises(
+        UserError, match=f"No finished run or method is called a={start}: choose one of dlctus, tus, or"
+    ):
         command(f"a={start}", "b=tus")
 
 
 def test_so_do_those_of_fingerprints(command):
     assert "dlctus is better" in command("a=dlctus", "b=tus", "dataset=4e12")
-    with pytest.raises(UserError, match="dataset='5e12' names no data set of the experiment: choose one of 4e12aaaa"):
+    with pytest.raises(
+        UserError, match="No data set of the experiment begins with dataset=5e12: choose one of 4e12aaaa"
+    ):
         command("a=dlctus", "b=tus", "dataset=5e12")
 
 
@@ -129,5 +133,5 @@ def test_a_number_from_elsewhere_is_told():
 
 
 def test_both_must_be_given(command):
-    with pytest.raises(UserError, match="b must be given"):
+    with pytest.raises(UserError, match="Missing b: use compare.py a=RUN_OR_METHOD b=RUN_OR_METHOD"):
         command("a=dlctus")

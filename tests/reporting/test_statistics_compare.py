@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from made_runs import made_run
+from example_runs import example_run
 
 from supersampling.errors import UserError
-from supersampling.reporting.comparison import compare, decimals, plus_minus, text, verdict
+from supersampling.reporting.comparison import compare, text, verdict
+from supersampling.reporting.format import decimals, plus_minus
 from supersampling.reporting.seeds import Group, find_groups, pair, seed_groups
 from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Run
@@ -18,7 +19,7 @@ from supersampling.runs.store import Run
 
 def run(name: str, *given: Any, method: str = "", **params: Any) -> Run:
     """Called as its model."""
-    return made_run(name, *given, method=method or params.get("model", "dlctus"), **params)
+    return example_run(name, *given, method=method or params.get("model", "dlctus"), **params)
 
 
 def names(groups: list[Group]) -> list[list[str]]:
@@ -68,8 +69,8 @@ def test_a_name_finds_its_groups():
 @pytest.mark.parametrize(
     ("wanted", "told"),
     [
-        ("nothing", "choose one of dlctus, tus"), ("d", "begins the ids of several"), ("tus dlctus", "2 methods"),
-        ("tus rectify=x", "no finished run"),
+        ("nothing", "choose one of dlctus, tus"), ("d", "ids of several runs begin with a=d"), ("tus dlctus", "names 2 methods"),
+        ("tus rectify=x", "No finished run or method is called a=tus rectify=x"),
     ],
 )  # fmt: skip
 def test_a_name_that_finds_nothing_is_told(wanted, told):
@@ -82,7 +83,7 @@ def test_an_evaluation_is_found_by_its_id_alone():
     assert names(find_groups([*RUNS, evaluation], "a", "tus")) == [["t0"]]
     assert names(find_groups([*RUNS, evaluation], "a", "e5")) == [["e5a1"]]
     assert names(find_groups([evaluation], "a", "e5a1")) == [["e5a1"]]
-    with pytest.raises(UserError, match="is no finished run or method: give a run's id"):
+    with pytest.raises(UserError, match="No finished run or method is called a=tus: use a run's id"):
         find_groups([evaluation], "a", "tus")
     printed = text(
         A,
@@ -197,18 +198,21 @@ def test_two_runs_of_one_method_are_told_apart():
 def test_what_cannot_be_compared_is_told():
     with pytest.raises(UserError, match="choose from psnr, temporal"):
         compare(A, B, tables(), ["flip"])
-    with pytest.raises(UserError, match="no metric in common"):
+    with pytest.raises(UserError, match="No metric is common to"):
         compare(A, B, tables() | {"t0": table(np.zeros(36)).rename(columns={"psnr": "vmaf"})})
-    with pytest.raises(UserError, match="run t0 has no table"):
+    with pytest.raises(UserError, match="Run t0 has no table"):
         compare(A, B, {key: value for key, value in tables().items() if key != "t0"})
     apart = tables()
     apart["t0"]["scene"] = "elsewhere"
-    with pytest.raises(UserError, match="no clip in common"):
+    with pytest.raises(UserError, match="No clip with a value of psnr is common to"):
         compare(A, B, apart)
 
 
 def test_numbers_show_two_digits_of_their_half_width():
     assert [decimals(h) for h in (2.34, 0.234, 0.00234, 23.4, 0.0, math.nan)] == [1, 2, 4, 0, 4, 4]
     assert [decimals(h) for h in (9.94, 9.96, 0.0996, 234)] == [1, 0, 2, 0]  # 9.9, 10, 0.10, 234
-    assert plus_minus(Estimate(31.2345, 30.0, 32.4, 36)) == "31.2 ± 1.2"
-    assert plus_minus(Estimate(31.2345, math.nan, math.nan, 1)) == "31.2345"
+    for value, expected in (
+        (Estimate(31.2345, 30.0, 32.4, 36), "31.2 ± 1.2"),
+        (Estimate(31.2345, math.nan, math.nan, 1), "31.2345"),
+    ):
+        assert plus_minus(value, decimals(value.half_width)) == expected

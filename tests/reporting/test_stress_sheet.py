@@ -5,8 +5,8 @@ import math
 import pandas as pd
 import pytest
 from mlflow import MlflowClient
-from supersampling.reporting.pages.stress_sheet import sheets, typeset
 
+from supersampling.reporting.pages.stress import sheets, typeset
 from supersampling.runs.store import Store
 
 COLUMNS = ["model", "extreme", "precision", "verdict", "why", "value", "truth"]

@@ -29,7 +29,7 @@ class Rendering:
         """
         for name, value in (("low_ms", low_ms), ("high_ms", high_ms)):
             if value is not None and not (_is_number(value) and value > 0):
-                raise UserError(f"Invalid render.{name}={value}: use the milliseconds of a frame, a positive number.")
+                raise UserError(f"Invalid {name}={value}: use the milliseconds of a frame, a positive number.")
         if high_ms is not None and low_ms is None:
             raise UserError(
                 f"high_ms={high_ms} needs low_ms: set it to the milliseconds of a frame at the low resolution."
