@@ -14,7 +14,7 @@ __all__ = [
 ]  # fmt: skip
 
 if TYPE_CHECKING:
-    from supersampling.api import *  # noqa: F403
+    from supersampling.api import *
 
 
 def __getattr__(name: str) -> Any:

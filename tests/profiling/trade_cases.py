@@ -16,16 +16,16 @@ SCENES = ("arena", "bar", "foundry", "market", "stk/zengarden")
 
 def run(name: str, seed: str = "0") -> Run:
     return Run(
-        f"{name}-{seed}",
-        name,
-        f"{name}-{seed}",
-        "aaaa",
-        name,
-        "machine",
-        "1",
-        0,
-        {"model": name, "seed": seed},
-        {},
+        id=f"{name}-{seed}",
+        name=name,
+        identity=f"{name}-{seed}",
+        dataset="aaaa",
+        method=name,
+        machine="machine",
+        version="1",
+        ended=0,
+        params={"model": name, "seed": seed},
+        metrics={},
     )
 
 

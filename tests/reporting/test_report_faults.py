@@ -104,7 +104,7 @@ def test_a_store_that_gives_nothing_at_all_is_an_error(
         raise MlflowException("Connection refused")
 
     monkeypatch.setattr(MlflowClient, "download_artifacts", gone)
-    with pytest.raises(UserError, match="gave none of the runs' scores"):
+    with pytest.raises(UserError, match="gave no run's scores"):
         report(config(log, tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 

@@ -1,5 +1,6 @@
 """Methods by name or by run, for commands that need their configuration and no weights."""
 
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -93,7 +94,7 @@ def runs_with_subjects(experiment: Experiment, run_id: str) -> list[tuple[str, S
 
 
 def finished_jobs(experiment: Experiment) -> Iterator[tuple[str, Subject]]:
-    """Yield the id and the method of every finished job that has a configuration, the newest first."""
+    """Yield the id and the method of every finished job whose model this version has, the newest first."""
     jobs = f"{tags.equals(tags.KIND, 'job')} and attributes.status = '{FINISHED}'"
     token = None
     while True:
@@ -101,7 +102,11 @@ def finished_jobs(experiment: Experiment) -> Iterator[tuple[str, Subject]]:
             [experiment.id], jobs, order_by=["attributes.start_time DESC"], page_token=token
         )
         for run in page:
-            subject = _read_subject(experiment, run)
+            try:
+                subject = _read_subject(experiment, run)
+            except UserError as error:  # a model that this version does not have
+                sys.stderr.write(f"Left out: {error}\n")
+                continue
             if subject is not None:
                 yield run.info.run_id, subject
         token = page.token
