@@ -1,8 +1,8 @@
 """Run the README's commands in a new minimal Debian without git and without a compiler, as a stranger would.
 
-Needs root and mmdebstrap. Makes the root in a temporary folder (below $TMPDIR), copies the tracked files into it as they
-stand in the working tree, runs each command by chroot, prints its last lines and minutes, and removes the root. Mounts
-live in a namespace of their own, so removing the root cannot reach this machine's files.
+Needs root and mmdebstrap. Makes the root in a temporary folder (below $TMPDIR), copies the tracked files into it as
+they stand in the working tree, runs each command by chroot, prints its last lines and minutes, and removes the root.
+Mounts live in a namespace of their own, so removing the root cannot reach this machine's files.
 """
 
 import argparse

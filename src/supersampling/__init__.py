@@ -8,10 +8,26 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 __all__ = [
-    "BUFFERS", "Clip", "Estimate", "Frame", "Result", "Upsampler", "UserError", "WarpCheck", "compose_model", "disoccluded",
-    "finished_runs", "frame_scores", "gradient_energy", "load_model", "paired_difference", "render_data", "score", "upsample",
+    "BUFFERS",
+    "Clip",
+    "Estimate",
+    "Frame",
+    "Result",
+    "Upsampler",
+    "UserError",
+    "WarpCheck",
+    "compose_model",
+    "disoccluded",
+    "finished_runs",
+    "frame_scores",
+    "gradient_energy",
+    "load_model",
+    "paired_difference",
+    "render_data",
+    "score",
+    "upsample",
     "warp_images",
-]  # fmt: skip
+]
 
 if TYPE_CHECKING:
     from supersampling.api import *

@@ -44,7 +44,8 @@ def composed(name: str, overrides: Sequence[str]) -> ComposedConfig:
     except (ConfigCompositionException, HydraException, OmegaConfBaseException) as error:
         reason = str(error).splitlines()[0].rstrip(".:")
         raise UserError(
-            f"{' '.join(overrides)} cannot be composed ({reason}): see python {name}.py --help for the groups and settings."
+            f"{' '.join(overrides)} cannot be composed ({reason}): see python {name}.py --help for the groups and "
+            "settings."
         ) from error
     choices = dict(cfg.hydra.runtime.choices)
     with open_dict(cfg):

@@ -1,4 +1,5 @@
-"""The folder of the files that travel with the code: ``conf``, ``sweeps``, ``reports/published`` and ``reports/templates``."""
+"""The folder of the files that travel with the code: ``conf``, ``sweeps``, ``reports/published`` and
+``reports/templates``."""
 
 import os
 from pathlib import Path

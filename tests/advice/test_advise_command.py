@@ -42,7 +42,11 @@ def advise(folder: Path) -> Iterator[Run]:
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
 
         def run(*overrides: str) -> None:
-            cfg = compose("advise", [*overrides, f"paths.root={folder}", f"tracking_uri=sqlite:///{folder}/mlflow.db"], return_hydra_config=True)
+            cfg = compose(
+                "advise",
+                [*overrides, f"paths.root={folder}", f"tracking_uri=sqlite:///{folder}/mlflow.db"],
+                return_hydra_config=True,
+            )
             HydraConfig.instance().set_config(cfg)
             with open_dict(cfg):
                 del cfg["hydra"]
@@ -89,7 +93,11 @@ def test_answer_is_an_experiment_of_train(advise: Run, folder: Path, monkeypatch
     out = folder / "outputs" / "advice"
     content = yaml.safe_load((out / "experiment" / "analytic_dlctus.yaml").read_text())
     assert content["scene"] == "analytic"
-    paths = [f"paths.root={folder}", f"tracking_uri=sqlite:///{folder}/mlflow.db", f"hydra.searchpath=[file://{out},file://{ROOT}]"]
+    paths = [
+        f"paths.root={folder}",
+        f"tracking_uri=sqlite:///{folder}/mlflow.db",
+        f"hydra.searchpath=[file://{out},file://{ROOT}]",
+    ]
     before = len(runs(folder, "job"))
     for seed, more in ((0, 0), (5, 1)):
         overrides = [*paths, "experiment=analytic_dlctus", f"seed={seed}", "threads=1", "workers=0", "baselines=[]"]

@@ -1,4 +1,5 @@
-"""What the contract tests share: every option of every stage of every model, as conf/model has them, and clips to run them on.
+"""What the contract tests share: every option of every stage of every model, as conf/model has them, and clips to run
+them on.
 
 A yaml in ``conf/model/`` is a model, one in ``conf/model/<slot>/`` an option of a stage: nobody has to name them here.
 """
@@ -61,7 +62,8 @@ every_variant = pytest.mark.parametrize("variant", VARIANTS, ids=" ".join)
 
 @cache
 def config_of(*variant):
-    """``(model, override, ...)`` composed by itself; which settings of ``train.yaml`` lead there is `test_ablations`' matter."""
+    """``(model, override, ...)`` composed by itself; which settings of ``train.yaml`` lead there is `test_ablations`'
+    matter."""
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(CONF), version_base="1.3"):
         return compose(None, [f"+model={variant[0]}", *SMALL, *variant[1:]])
@@ -90,7 +92,8 @@ def _attempt(variant, dtype):
 def model_of(*variant, dtype=torch.float64):
     """The model, which tests share: `trained_copy` is for those that change it.
 
-    Pretrained weights are out of reach here. An option that needs some has to say which file goes where, and nothing more can be
+    Pretrained weights are out of reach here. An option that needs some has to say which file goes where, and nothing
+    more can be
     tested: `test_ablations` runs it with random ones.
     """
     made = _attempt(variant, dtype)

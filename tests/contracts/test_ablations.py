@@ -1,7 +1,7 @@
 """Every row of every ablation table of the papers, as a command line: it composes, and a step of its training runs.
 
-Rows are what ``train.py`` is given after the table's own words. Only the budget is another: the smallest, on clips of a few
-pixels with exactly the buffers that the configured model, loss and choice of windows read.
+Rows are what ``train.py`` is given after the table's own words. Only the budget is another: the smallest, on clips of a
+few pixels with exactly the buffers that the configured model, loss and choice of windows read.
 """
 
 from functools import cache
@@ -73,7 +73,8 @@ TABLES = {
         "experiment=nsrr",  # section 3.2.5
         {space: f"model/colour_space={space}" for space in ("ycbcr", "rgb")},
     ),
-    # Li et al. 2024. Its NSRR has 2 previous frames (section 4.2); "+GBuffer" is without demodulation, "+Demod." with both.
+    # Li et al. 2024. Its NSRR has 2 previous frames (section 4.2); "+GBuffer" is without demodulation, "+Demod." with
+    # both.
     "nsrd_table5_nsrr": (
         "experiment=nsrd model=nsrr model.previous=2 loss=nsrr",
         {

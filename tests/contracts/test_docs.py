@@ -94,9 +94,17 @@ SMALL = {
     "stress": ["models=[jau]", "extremes=[size/1x1]", "scene=atrium"],
 }
 ORDER = {
-    "count": 0, "render": 0, "show": 1, "train": 2, "evaluate": 3, "export": 3, "benchmark": 3, "stress": 3, "advise": 3,
+    "count": 0,
+    "render": 0,
+    "show": 1,
+    "train": 2,
+    "evaluate": 3,
+    "export": 3,
+    "benchmark": 3,
+    "stress": 3,
+    "advise": 3,
     "report": 5,
-}  # fmt: skip
+}
 # What needs files of the user's, or hours.
 UNRUN = (
     r"RUN_ID|compare|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"

@@ -8,9 +8,32 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 ROOMS = (  # from the bottom up
-    "errors", "settings", "resources", "config", "ops", "frames", "pretrained", "metrics", "losses", "stages", "models", "data", "scenes",
-    "render", "show", "evaluation", "deploy", "runs", "profiling", "training", "advice", "stress", "reporting", "commands", "api",
-)  # fmt: skip
+    "errors",
+    "settings",
+    "resources",
+    "config",
+    "ops",
+    "frames",
+    "pretrained",
+    "metrics",
+    "losses",
+    "stages",
+    "models",
+    "data",
+    "scenes",
+    "render",
+    "show",
+    "evaluation",
+    "deploy",
+    "runs",
+    "profiling",
+    "training",
+    "advice",
+    "stress",
+    "reporting",
+    "commands",
+    "api",
+)
 LEVEL = {room: level for level, room in enumerate(ROOMS)}
 FILES = sorted(PACKAGE.rglob("*.py"))
 

@@ -1,4 +1,5 @@
-"""What every model keeps with every option of every stage: shapes, independence of items, what it reads, what it hands on.
+"""What every model keeps with every option of every stage: shapes, independence of items, what it reads, what it hands
+on.
 
 Everything is in float64, so that what has to be equal is so to 1e-9 whatever order a convolution adds in.
 """

@@ -1,7 +1,7 @@
 """Every option of every stage against finite differences in float64: inputs that carry a gradient, and parameters.
 
-How a slot is called stands in `CALLS`; its options are found in conf/model. A slot that is not there is checked inside its model
-alone, as all models are.
+How a slot is called stands in `CALLS`; its options are found in conf/model. A slot that is not there is checked inside
+its model alone, as all models are.
 """
 
 import pytest
@@ -54,7 +54,8 @@ def numbers(channels, scale=1, low=-1.0, high=1.0):
 
 
 def color(channels=3, scale=1):
-    """Inside (0, 1), where clamps have a derivative; beyond, the straight-through one has a gradient of its own, tested there."""
+    """Inside (0, 1), where clamps have a derivative; beyond, the straight-through one has a gradient of its own, tested
+    there."""
     return numbers(channels, scale, 0.05, 0.95)
 
 

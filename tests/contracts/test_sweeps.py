@@ -1,4 +1,5 @@
-"""Every sweep: its jobs compose, are different jobs, take the laptop's form of a method, and are the rows of their table."""
+"""Every sweep: its jobs compose, are different jobs, take the laptop's form of a method, and are the rows of their
+table."""
 
 import pytest
 from hydra import compose, initialize_config_dir

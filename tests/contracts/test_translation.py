@@ -1,8 +1,9 @@
 """An image moved by whole pixels gives an output moved by as many, away from borders.
 
-The low-resolution buffers are moved by 4 pixels and rolled round, at a scale of 2: by 8 target pixels. That is a multiple of
-all that pools or works in blocks: DLCTUS's network (4 target pixels), NSRR's U-Net (4), ENSS's motion blocks (8) and NSRD's U
-(4 low-resolution pixels). By other amounts these methods do not commute, and should not.
+The low-resolution buffers are moved by 4 pixels and rolled round, at a scale of 2: by 8 target pixels. That is a
+multiple of
+all that pools or works in blocks: DLCTUS's network (4 target pixels), NSRR's U-Net (4), ENSS's motion blocks (8) and
+NSRD's U (4 low-resolution pixels). By other amounts these methods do not commute, and should not.
 """
 
 import copy
@@ -16,7 +17,8 @@ from supersampling.frames import Frame
 from supersampling.models.blocks.attention import UShaped
 
 SHIFT = 4  # low-resolution pixels
-# How far borders reach into the image in two frames, low-resolution pixels: radii of the convolutions, and a pixel of motion.
+# How far borders reach into the image in two frames, low-resolution pixels: radii of the convolutions, and a pixel of
+# motion.
 REACH = {"bicubic": 3, "jau": 2, "tus": 6, "dlctus": 38, "enss": 14, "nsrr": 20, "nsrd": 11}
 WIDEST = 40
 # Numbers that change how much is computed and not how far it reaches.

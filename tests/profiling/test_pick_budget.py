@@ -106,7 +106,8 @@ def test_without_an_interval_nothing_is_tied_or_near():
 
 
 def test_real_statistics_of_one_seed_pair_scenes():
-    """Scenes differ by decibels, methods by a tenth: paired, the data can tell, and a seed is enough to say so of its weights."""
+    """Scenes differ by decibels, methods by a tenth: paired, the data can tell, and a seed is enough to say so of its
+    weights."""
     names = {"a": (30.0, 1, 0.02), "b": (29.9, 2, 0.02), "c": (29.99, 3, 0.05)}
     clips = {f"{name}-0": clip_scores(*how) for name, how in names.items()}
     timings = [timing(ms, name) for name, ms in zip(names, (9.0, 5.0, 2.0))]

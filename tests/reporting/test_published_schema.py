@@ -12,14 +12,24 @@ from supersampling.reporting.papers.published import load_paper, load_papers, na
 from supersampling.reporting.papers.schema import Paper
 
 SMALL: dict[str, Any] = {
-    "paper": "small", "title": "A paper", "authors": "A. One, B. Two", "source": "1999", "short": "One et al.",
+    "paper": "small",
+    "title": "A paper",
+    "authors": "A. One, B. Two",
+    "source": "1999",
+    "short": "One et al.",
     "metrics": {
         "psnr": {"label": "PSNR", "unit": "dB", "better": "higher", "decimals": 2, "ours": "psnr"},
         "layer": {"label": "time", "unit": "ms", "better": "lower", "decimals": 1, "ours": None},
     },
     "tables": [
         {
-            "number": "S1", "section": "1", "page": 1, "title": "Quality.", "compare": "row", "headers": ["scene"], "base": {},
+            "number": "S1",
+            "section": "1",
+            "page": 1,
+            "title": "Quality.",
+            "compare": "row",
+            "headers": ["scene"],
+            "base": {},
             "lost": "The second column is lost.",
             "columns": [
                 {"label": "A", "select": {"model": "a"}, "metrics": ["psnr"]},
@@ -31,26 +41,52 @@ SMALL: dict[str, Any] = {
             ],
         }
     ],
-    "facts": [{"number": "2", "section": "1", "page": 1, "title": "Scenes.", "headers": ["a", "b"], "rows": [["x", ""]]}],
+    "facts": [
+        {"number": "2", "section": "1", "page": 1, "title": "Scenes.", "headers": ["a", "b"], "rows": [["x", ""]]}
+    ],
     "pictures": [{"number": "figure 3", "section": "1", "page": 1, "title": "Crops.", "ours": "crops"}],
     "figures": [
         {
-            "number": "4", "section": "1", "page": 1, "title": "Curve.", "kind": "curve", "sweep": None, "metric": "psnr",
-            "x": "frame", "base": {}, "series": [{"label": "A", "select": {"model": "a"}}],
+            "number": "4",
+            "section": "1",
+            "page": 1,
+            "title": "Curve.",
+            "kind": "curve",
+            "sweep": None,
+            "metric": "psnr",
+            "x": "frame",
+            "base": {},
+            "series": [{"label": "A", "select": {"model": "a"}}],
         }
     ],
     "claims": [
         {
-            "id": "small-1", "text": "A is better.", "source": "Table S1", "page": 1, "kind": "more", "metric": "psnr",
-            "unit": "dB", "base": {}, "a": {"model": "a"}, "b": {"model": "b"}, "published": None,
+            "id": "small-1",
+            "text": "A is better.",
+            "source": "Table S1",
+            "page": 1,
+            "kind": "more",
+            "metric": "psnr",
+            "unit": "dB",
+            "base": {},
+            "a": {"model": "a"},
+            "b": {"model": "b"},
+            "published": None,
         },
         {
-            "id": "small-2", "text": "More is better.", "source": "Table S1", "page": 1, "kind": "rises", "metric": "psnr",
-            "unit": "dB", "steps": [{"label": "1", "select": {"n": 1}}, {"label": "2", "select": {"n": 2}}],
-            "a": {"n": 2}, "b": {"n": 1},
+            "id": "small-2",
+            "text": "More is better.",
+            "source": "Table S1",
+            "page": 1,
+            "kind": "rises",
+            "metric": "psnr",
+            "unit": "dB",
+            "steps": [{"label": "1", "select": {"n": 1}}, {"label": "2", "select": {"n": 2}}],
+            "a": {"n": 2},
+            "b": {"n": 1},
         },
     ],
-}  # fmt: skip
+}
 
 
 def load(folder: Path, raw: dict[str, Any]) -> Paper:

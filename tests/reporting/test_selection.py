@@ -101,6 +101,10 @@ def test_what_belongs_to_a_swept_parameter_may_differ() -> None:
 
 
 def test_the_newest_run_of_a_seed_counts_once() -> None:
-    assert names(one_per_seed([run("old", 1, seed=0), run("ten", 1, seed=10), run("new", 2, seed=0), run("two", 1, seed=2)])) == [
-        "new", "two", "ten",
-    ]  # fmt: skip
+    assert names(
+        one_per_seed([run("old", 1, seed=0), run("ten", 1, seed=10), run("new", 2, seed=0), run("two", 1, seed=2)])
+    ) == [
+        "new",
+        "two",
+        "ten",
+    ]

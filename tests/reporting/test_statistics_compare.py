@@ -34,16 +34,33 @@ def test_runs_that_differ_in_seed_alone_are_one_group():
 @pytest.mark.parametrize(
     "other",
     [
-        {"augment": "none"}, {"pick": "uniform"}, {"loss": "mse"}, {"optimizer__lr": 1}, {"budget": "paper"},
-        {"budget__steps": 9}, {"model__dilate": "closest"}, {"task__jitter": "halton"}, {"task__scale": 2},
-        {"trainer__precision": "bf16"}, {"data__train__clips": 9}, {"dataset": "bbbb"},
+        {"augment": "none"},
+        {"pick": "uniform"},
+        {"loss": "mse"},
+        {"optimizer__lr": 1},
+        {"budget": "paper"},
+        {"budget__steps": 9},
+        {"model__dilate": "closest"},
+        {"task__jitter": "halton"},
+        {"task__scale": 2},
+        {"trainer__precision": "bf16"},
+        {"data__train__clips": 9},
+        {"dataset": "bbbb"},
     ],
-)  # fmt: skip
+)
 def test_any_other_difference_separates_them(other):
     given = {
-        "augment": "full", "pick": "edges", "loss": "l1", "optimizer__lr": 2, "budget": "laptop", "budget__steps": 8,
-        "model__dilate": "none", "task__jitter": "thesis", "trainer__precision": "32", "data__train__clips": 8,
-    }  # fmt: skip
+        "augment": "full",
+        "pick": "edges",
+        "loss": "l1",
+        "optimizer__lr": 2,
+        "budget": "laptop",
+        "budget__steps": 8,
+        "model__dilate": "none",
+        "task__jitter": "thesis",
+        "trainer__precision": "32",
+        "data__train__clips": 8,
+    }
     assert len(seed_groups([run("a", **given, seed=0), run("b", **{**given, **other}, seed=1)])) == 2
 
 
@@ -53,9 +70,12 @@ def test_what_cannot_change_a_result_does_not_separate_them():
 
 
 RUNS = [
-    run("d0", seed=0, loss__theta=0.1), run("d1", seed=1, loss__theta=0.1), run("dt", seed=0, loss__theta=0.5),
-    run("t0", model="tus"), run("t1", model="tus", method="tus rectify=none", model__rectify="none"),
-]  # fmt: skip
+    run("d0", seed=0, loss__theta=0.1),
+    run("d1", seed=1, loss__theta=0.1),
+    run("dt", seed=0, loss__theta=0.5),
+    run("t0", model="tus"),
+    run("t1", model="tus", method="tus rectify=none", model__rectify="none"),
+]
 
 
 def test_a_name_finds_its_groups():
@@ -69,10 +89,12 @@ def test_a_name_finds_its_groups():
 @pytest.mark.parametrize(
     ("wanted", "told"),
     [
-        ("nothing", "choose one of dlctus, tus"), ("d", "ids of several runs begin with a=d"), ("tus dlctus", "names 2 methods"),
+        ("nothing", "choose one of dlctus, tus"),
+        ("d", "ids of several runs begin with a=d"),
+        ("tus dlctus", "names 2 methods"),
         ("tus rectify=x", "No finished run or method is called a=tus rectify=x"),
     ],
-)  # fmt: skip
+)
 def test_a_name_that_finds_nothing_is_told(wanted, told):
     with pytest.raises(UserError, match=told):
         find_groups(RUNS, "a", wanted)

@@ -103,7 +103,8 @@ def test_percentiles_over_clips_would_not():
         *(Design(4, 12, seeds) for seeds in ((1, 1), (2, 1), (3, 1), (2, 2), (3, 3))),
         Design(9, 36, (3, 1), even=False),
         Design(9, 36, (3, 3), training=0.0),
-        # Here the scatter of trainings outweighs that of scenes; two seeds against one do not suffice then (docs/compare.md).
+        # Here the scatter of trainings outweighs that of scenes; two seeds against one do not suffice then
+        # (docs/compare.md).
         *(Design(9, 36, seeds, training=1.0) for seeds in ((2, 2), (3, 1), (3, 3))),
     ],
     ids=str,

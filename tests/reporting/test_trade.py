@@ -32,11 +32,27 @@ FACTOR = {"eager": 1.0, "openvino": 0.6}
 
 def example_timing(method: str, backend: str, precision: str = "float32", ms: float = 1.0, **more: Any) -> Timing:
     given: dict[str, Any] = {
-        "method": method, "architecture": architecture({"_target_": method}, 4), "scale": 4, "width": 1920, "height": 1080,
-        "backend": backend, "precision": precision, "device": "cpu", "threads": 2, "machine": MACHINE, "ms": ms,
-        "low": 0.95 * ms, "high": 1.1 * ms, "frames": 20, "peak_mb": 100.0, "parameters": 80034, "gmac": 12.5,
-        "gbytes": 0.1, "of_product": 0.4, "of_copy": 0.2,
-    }  # fmt: skip
+        "method": method,
+        "architecture": architecture({"_target_": method}, 4),
+        "scale": 4,
+        "width": 1920,
+        "height": 1080,
+        "backend": backend,
+        "precision": precision,
+        "device": "cpu",
+        "threads": 2,
+        "machine": MACHINE,
+        "ms": ms,
+        "low": 0.95 * ms,
+        "high": 1.1 * ms,
+        "frames": 20,
+        "peak_mb": 100.0,
+        "parameters": 80034,
+        "gmac": 12.5,
+        "gbytes": 0.1,
+        "of_product": 0.4,
+        "of_copy": 0.2,
+    }
     return Timing(**{**given, **more})
 
 
@@ -60,12 +76,21 @@ def precision_losses(method: str, loss: float) -> pd.DataFrame:
     """``loss`` and a hundredth of it a frame, another for every scene."""
     rows = [
         {
-            "method": method, "architecture": architecture({"_target_": method}, 4), "backend": "openvino",
-            "precision": "int8", "machine": MACHINE, "scene": scene, "clip": 0, "frame": t, "psnr": 30.0 + k,
-            "changed": 30.0 + k - loss * (1 + 0.1 * k) - 0.01 * loss * t, "largest": 0.02 * (t + 1),
+            "method": method,
+            "architecture": architecture({"_target_": method}, 4),
+            "backend": "openvino",
+            "precision": "int8",
+            "machine": MACHINE,
+            "scene": scene,
+            "clip": 0,
+            "frame": t,
+            "psnr": 30.0 + k,
+            "changed": 30.0 + k - loss * (1 + 0.1 * k) - 0.01 * loss * t,
+            "largest": 0.02 * (t + 1),
         }
-        for k, scene in enumerate(SCENES) for t in range(11)
-    ]  # fmt: skip
+        for k, scene in enumerate(SCENES)
+        for t in range(11)
+    ]
     return pd.DataFrame(rows)
 
 

@@ -1,9 +1,11 @@
-"""The losses of ten training steps of every model, at full precision, as they were when ``golden_losses.json`` was written.
+"""The losses of ten training steps of every model, at full precision, as they were when ``golden_losses.json`` was
+written.
 
-    python tests/training/test_golden_losses.py     writes the file anew; only a change that is meant to change results may
+    python tests/training/test_golden_losses.py     writes the file anew; only a change that is meant to change results
+    may
 
-All is in float64, so that the numbers hold on any machine, and goes through the loop of ``train.py``. Those of DLCTUS with the
-published clamp are computed once more from the thesis alone.
+All is in float64, so that the numbers hold on any machine, and goes through the loop of ``train.py``. Those of DLCTUS
+with the published clamp are computed once more from the thesis alone.
 """
 
 import json
@@ -49,7 +51,8 @@ def waves(position, t, first, count):
 
 
 def frame(t):
-    """All buffers ``(B, C, ...)`` of time ``t``: a surface of many waves that slides, each item of the batch in its direction."""
+    """All buffers ``(B, C, ...)`` of time ``t``: a surface of many waves that slides, each item of the batch in its
+    direction."""
     h, w = LOW
     velocity = torch.tensor([[0.031, -0.017], [-0.023, 0.037]], dtype=torch.float64)  # image units a frame
     jitter = torch.tensor([[0.11 - 0.17 * t, 0.19 * t - 0.31], [0.23 * t - 0.37, 0.41 - 0.13 * t]], dtype=torch.float64)

@@ -19,9 +19,19 @@ SECONDS = 120
 def begin(root, files, *sweep):
     data = [f"data.{split}=[{path}]" for split, path in files.items()]
     settings = [
-        "data=files", "metrics=fast", *data, "scene=atrium", "baselines=[]", "budget=smoke", "budget.epochs=8", "budget.steps=8",
-        "threads=1", "workers=0", "trainer.enable_progress_bar=false", f"paths.root={root}",
-    ]  # fmt: skip
+        "data=files",
+        "metrics=fast",
+        *data,
+        "scene=atrium",
+        "baselines=[]",
+        "budget=smoke",
+        "budget.epochs=8",
+        "budget.steps=8",
+        "threads=1",
+        "workers=0",
+        "trainer.enable_progress_bar=false",
+        f"paths.root={root}",
+    ]
     command = [
         sys.executable,
         "train.py",

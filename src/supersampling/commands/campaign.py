@@ -1,7 +1,8 @@
 """Several sweeps by one command: ``sweeps=nsrr_table9,nsrr_table10``, or a paper's name for all of its own.
 
-Hydra can sweep over anything but sweeps: it would train the default once per name, without a word. So each sweep is a process of
-its own, one after another; a job that several of them have is done by the first, and the others find it finished.
+Hydra can sweep over anything but sweeps: it would train the default once per name, without a word. So each sweep is a
+process of its own, one after another; a job that several of them have is done by the first, and the others find it
+finished.
 """
 
 import subprocess
@@ -17,13 +18,15 @@ INTERRUPTED = 130
 
 
 def commands(arguments: Sequence[str], folder: Path | None = None) -> list[list[str]]:
-    """Return the arguments of each sweep's command; an empty list for a single sweep or none, which need no process of their own.
+    """Return the arguments of each sweep's command; an empty list for a single sweep or none, which need no process of
+    their own.
 
     Args:
         folder: of the sweeps' files.
 
     Raises:
-        UserError: a name that is neither a file of ``folder`` nor the beginning (``<paper>_``) of some; several without ``-m``.
+        UserError: a name that is neither a file of ``folder`` nor the beginning (``<paper>_``) of some; several without
+            ``-m``.
     """
     sweeps = [word for word in arguments if word.startswith(KEY)]
     if len(sweeps) != 1 or sweeps[0] in (KEY, f"{KEY}null"):

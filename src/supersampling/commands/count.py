@@ -12,7 +12,8 @@ from supersampling.models.base import Upsampler
 from supersampling.models.count import Row, count_modules
 
 COUNTED = (
-    "MACs are those of convolutions and matrix products, for one frame once the state has reached its full size. Not counted: "
+    "MACs are those of convolutions and matrix products, for one frame once the state has reached its full size. Not "
+    "counted: "
     "biases, activations, warps and other interpolation, and other element-wise work."
 )
 

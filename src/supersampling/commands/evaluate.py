@@ -33,13 +33,15 @@ RECORDINGS = {"display": (".png", DisplayImages), "radiance": (".exr", RadianceI
 
 
 def evaluate(cfg: DictConfig) -> None:
-    """Score the configured method, or frames that another program upscaled, print a table by scene, and log it to MLflow.
+    """Score the configured method, or frames that another program upscaled, print a table by scene, and log it to
+    MLflow.
 
-    A method's evaluation is a run of kind ``evaluation``; frames of another program become baselines (kind ``job``), which are
-    scored once, as are the reference and the raw input (kind ``sanity``).
+    A method's evaluation is a run of kind ``evaluation``; frames of another program become baselines (kind ``job``),
+    which are scored once, as are the reference and the raw input (kind ``sanity``).
 
     Raises:
-        UserError: no such run or checkpoint, or one of another scale or model; images that are missing or of another kind.
+        UserError: no such run or checkpoint, or one of another scale or model; images that are missing or of another
+            kind.
     """
     settings.exclusive(cfg, "checkpoint", "run", "capture", "frames")
     torch.set_num_threads(cfg.threads)

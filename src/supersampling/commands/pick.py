@@ -23,7 +23,8 @@ def pick(cfg: DictConfig) -> None:
     """Print the best method within ``ms``, or the fastest within ``db`` of the best, of one data set and machine.
 
     Settings: ``tracking_uri``, ``experiment_name``, ``dataset`` (a fingerprint's first characters), ``data`` and
-    ``task.scale`` if the command line sets them, ``size`` (the target's, null for the one with most times), ``low_ms`` and
+    ``task.scale`` if the command line sets them, ``size`` (the target's, null for the one with most times), ``low_ms``
+    and
     ``high_ms``.
 
     Raises:

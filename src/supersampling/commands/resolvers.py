@@ -32,8 +32,8 @@ def _cores() -> int:
 
 
 def register() -> None:
-    """Register ``${installed_scenes:}``, ``${built_in_scenes:}``, ``${model_slots:}``, ``${cores:}``, ``${product:a,b}``,
-    ``${resources:}`` and ``${output_root:}``.
+    """Register ``${installed_scenes:}``, ``${built_in_scenes:}``, ``${model_slots:}``, ``${cores:}``,
+    ``${product:a,b}``, ``${resources:}`` and ``${output_root:}``.
     """
     OmegaConf.register_new_resolver("installed_scenes", _installed_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("built_in_scenes", _built_in_scenes, use_cache=True, replace=True)

@@ -90,8 +90,8 @@ def count_modules(model: Upsampler, width: int, height: int, depth: int = 1, dev
 def size_of(model: Upsampler) -> dict[str, float]:
     """Return ``model/parameters`` and ``model/gmac``, by these names.
 
-    ``model/gmac`` is 10^9 multiply-accumulates of a frame with a target of 1920x1080, rounded down to the model's scale; it is
-    left out for a method that cannot be counted from shapes only.
+    ``model/gmac`` is 10^9 multiply-accumulates of a frame with a target of 1920x1080, rounded down to the model's
+    scale; it is left out for a method that cannot be counted from shapes only.
     """
     size = {"model/parameters": float(sum(p.numel() for p in model.parameters()))}
     try:

@@ -69,8 +69,9 @@ class PreviousFrames(Previous):
     """Features of ``n`` previous frames, warped to the current one and reweighted (3.2.1 to 3.2.3).
 
     The paper warps a frame's features "iteratively until each previous frame is warped to the current one": frame
-    ``t - k`` to ``t - k + 1`` by that frame's motion, and so on to ``t``. All of these warps except the last were computed
-    when the frames in between were current, so the state holds the window as it was warped then, and one warp of the
+    ``t - k`` to ``t - k + 1`` by that frame's motion, and so on to ``t``. All of these warps except the last were
+    computed when the frames in between were current, so the state holds the window as it was warped then, and one warp
+    of the
     whole window by the newest motion completes it: the same numbers with one warp per step. Features of a frame are
     extracted once, when it arrives.
 

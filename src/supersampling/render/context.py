@@ -12,8 +12,8 @@ from supersampling.errors import UserError
 
 # Shared library: the Debian package that holds it. The loaders come before Mesa's part of EGL, in the order of use.
 _PACKAGES = {"libEGL.so.1": "libegl1", "libGL.so.1": "libgl1", "libEGL_mesa.so.0": "libegl-mesa0"}
-# Full names of the libraries: without them glcontext asks ldconfig, and without ldconfig it wants the compiler's libGL.so.
-# The stub types each setting as a dictionary of settings, hence Any.
+# Full names of the libraries: without them glcontext asks ldconfig, and without ldconfig it wants the compiler's
+# libGL.so. The stub types each setting as a dictionary of settings, hence Any.
 _BACKEND: Any = {"backend": "egl", "libegl": "libEGL.so.1", "libgl": "libGL.so.1"}
 # Mesa's software rasteriser is a plug-in outside the library path.
 _RASTERISER, _RASTERISER_PACKAGE = "swrast_dri.so", "libgl1-mesa-dri"

@@ -49,9 +49,11 @@ def seed_groups(runs: Iterable[Run]) -> list[Group]:
 
 
 def find_groups(runs: Sequence[Run], key: str, name: str) -> list[Group]:
-    """Return the groups that a name selects: a run's id (only that run), or a method or model, and settings ``name=value``.
+    """Return the groups that a name selects: a run's id (only that run), or a method or model, and settings
+    ``name=value``.
 
-    ``dlctus``, ``dlctus loss.theta=0.1``, ``tus rectify=none``, ``3ad14ce7``. A method's name means its published stages if
+    ``dlctus``, ``dlctus loss.theta=0.1``, ``tus rectify=none``, ``3ad14ce7``. A method's name means its published
+    stages if
     such a run exists, and only jobs: an evaluation is selected by its id.
 
     Args:
@@ -108,7 +110,8 @@ def pair(first: Sequence[Group], second: Sequence[Group]) -> tuple[Group, Group]
         return pairs[0]
     if not pairs:
         raise UserError(
-            f"a ({_describe(first)}) and b ({_describe(second)}) share no test data: compare runs of one data set and scale."
+            f"a ({_describe(first)}) and b ({_describe(second)}) share no test data: compare runs of one data set and "
+            "scale."
         )
     several = {"a": [a for a, _ in pairs], "b": [b for _, b in pairs]}
     key, groups = max(several.items(), key=lambda item: len({group.runs[0].id for group in item[1]}))

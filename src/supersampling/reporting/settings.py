@@ -18,8 +18,8 @@ UNTRAINED = ""
 class Setting:
     """What runs of one comparison have in common: data set (fingerprint), its preset, scale, mip bias, and budget.
 
-    A method that is not trained has no budget (`UNTRAINED`) and joins the runs of every budget. A budget that is cut for
-    one model counts as the one that it is cut from (`budget_family`).
+    A method that is not trained has no budget (`UNTRAINED`) and joins the runs of every budget. A budget that is cut
+    for one model counts as the one that it is cut from (`budget_family`).
     """
 
     dataset: str

@@ -36,8 +36,8 @@ class Carry(L.Callback):
 def metadata(cfg: DictConfig, run_tags: Mapping[str, str], parameters: Mapping[str, str], run: str) -> dict[str, Any]:
     """Return what a checkpoint holds beside its weights, in containers that ``torch.load(weights_only=True)`` reads.
 
-    ``model`` and ``task`` are the resolved configuration, with options in place of class paths; ``method``, ``identity``, ``run``
-    and ``parameters`` are those of the MLflow run; ``version`` is this package's.
+    ``model`` and ``task`` are the resolved configuration, with options in place of class paths; ``method``,
+    ``identity``, ``run`` and ``parameters`` are those of the MLflow run; ``version`` is this package's.
     """
     return {
         "version": __version__,
@@ -90,7 +90,8 @@ def build(model: Mapping[str, Any], source: str, **constants: float) -> Upsample
     except InstantiationException as error:
         reason = str(error).splitlines()[0]
         raise UserError(
-            f"{source} describes a model that this version ({__version__}) cannot build ({reason}): use the version that "
+            f"{source} describes a model that this version ({__version__}) cannot build ({reason}): use the version "
+            "that "
             "wrote it."
         ) from error
     if not isinstance(result, Upsampler):

@@ -1,4 +1,5 @@
-"""The MLflow experiment that runs are written to: a parent run per multirun, a child run per job, found again by identity."""
+"""The MLflow experiment that runs are written to: a parent run per multirun, a child run per job, found again by
+identity."""
 
 import os
 import platform
@@ -141,5 +142,6 @@ def _check_reachable(tracking_uri: str) -> None:
         requests.get(f"{tracking_uri.rstrip('/')}/health", timeout=5).raise_for_status()
     except requests.RequestException as error:
         raise UserError(
-            f"No MLflow server answers at tracking_uri={tracking_uri}: start it, or leave the setting out for the local store."
+            f"No MLflow server answers at tracking_uri={tracking_uri}: start it, or leave the setting out for the "
+            "local store."
         ) from error

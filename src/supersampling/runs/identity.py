@@ -1,7 +1,7 @@
 """The identity of a run: a hash of all that can change its result, so that finished work is never repeated.
 
-It names options and numbers (`supersampling.runs.options`), never class paths: moving code changes no identity. Runs of the first
-scheme hashed class paths; `Identity.former` is what theirs would be, so that they are still found.
+It names options and numbers (`supersampling.runs.options`), never class paths: moving code changes no identity. Runs of
+the first scheme hashed class paths; `Identity.former` is what theirs would be, so that they are still found.
 """
 
 import hashlib
@@ -63,7 +63,8 @@ def with_former_paths(config: Any) -> Any:
 def flat_parameters(cfg: DictConfig, choices: Mapping[str, str], learned: bool) -> dict[str, Any]:
     """Return parameters as MLflow's compare view shows them: a name for each selected option, a value for each number.
 
-    ``model=dlctus``, ``model.reproject=bicubic9``, ``loss.theta=0.1``, ``task.scale=4``, ``budget.steps=60``, ``seed=0`` ...
+    ``model=dlctus``, ``model.reproject=bicubic9``, ``loss.theta=0.1``, ``task.scale=4``, ``budget.steps=60``,
+    ``seed=0`` ...
     """
     resolved: Any = OmegaConf.to_container(cfg, resolve=True)
     flat: dict[str, Any] = {}

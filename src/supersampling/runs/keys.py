@@ -1,4 +1,5 @@
-"""The meaning of each top-level key of the configuration for a run: the one table of identities, parameters and searches."""
+"""The meaning of each top-level key of the configuration for a run: the one table of identities, parameters and
+searches."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

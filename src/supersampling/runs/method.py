@@ -39,10 +39,12 @@ class LoadedMethod:
 
 
 def method_of(cfg: DictConfig) -> LoadedMethod:
-    """Return the method that ``checkpoint``, ``run`` or ``model`` names; ``cfg.task`` becomes the task it was trained for.
+    """Return the method that ``checkpoint``, ``run`` or ``model`` names; ``cfg.task`` becomes the task it was trained
+    for.
 
     Raises:
-        UserError: no such run or checkpoint; the command line names another model or scale; a learned method without weights.
+        UserError: no such run or checkpoint; the command line names another model or scale; a learned method without
+            weights.
     """
     if cfg.run:
         return _method_of_run(experiment_of(cfg), cfg)

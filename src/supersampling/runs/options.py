@@ -1,8 +1,8 @@
 """Names of configured classes: ``model/reproject=bicubic9`` in place of a dotted path.
 
-Identities, checkpoints and exports hold these names, so that moving or renaming a class invalidates none of them. The names are
-those of the files in ``conf/``: a class that one file names is called as that file; several files of one class differ in
-numbers, so it is called by the beginning that their names share (``enss_s``, ``enss_m``: ``enss``).
+Identities, checkpoints and exports hold these names, so that moving or renaming a class invalidates none of them. The
+names are those of the files in ``conf/``: a class that one file names is called as that file; several files of one
+class differ in numbers, so it is called by the beginning that their names share (``enss_s``, ``enss_m``: ``enss``).
 """
 
 import os

@@ -10,10 +10,10 @@ method on its own: the same number as a seed of two methods gives them nothing i
 speaks about these weights, not about another training.
 
 A percentile bootstrap of few units is too narrow: resampling shrinks the spread by ``(n-1)/n`` and knows nothing of
-Student's t. Here it gives the interval its shape; its width is stretched, about the mean, to twice Student's t times the
-standard error, the degrees of freedom after Satterthwaite (the expanded percentile interval of Hesterberg, "What teachers
-should know about the bootstrap", The American Statistician 69(4), 2015, which moves the percentiles instead: of four scenes
-or two seeds there are too few resamples for that).
+Student's t. Here it gives the interval its shape; its width is stretched, about the mean, to twice Student's t times
+the standard error, the degrees of freedom after Satterthwaite (the expanded percentile interval of Hesterberg, "What
+teachers should know about the bootstrap", The American Statistician 69(4), 2015, which moves the percentiles instead:
+of four scenes or two seeds there are too few resamples for that).
 """
 
 from dataclasses import dataclass
@@ -94,7 +94,8 @@ def _estimate(parts: list[Array], scenes: ArrayLike | None) -> Estimate:
 
 
 def _interval(sums: list[Array], sizes: Array, mean: float) -> tuple[float, float]:
-    """From the sums over each unit's clips, a ``(seeds, units)`` for each part, and the units' numbers of clips ``(units,)``."""
+    """From the sums over each unit's clips, a ``(seeds, units)`` for each part, and the units' numbers of clips
+    ``(units,)``."""
     units = len(sizes)
     error, freedom = _standard_error(sums, sizes, mean)
     if error == 0:

@@ -104,7 +104,8 @@ class Store:
             )
         if not finished:
             raise UserError(
-                f"The experiment {name} at {self.uri} has no finished run, and {unfinished} unfinished ones: train first."
+                f"The experiment {name} at {self.uri} has no finished run, and {unfinished} unfinished ones: train "
+                "first."
             )
         newest = {run.identity: run for run in sorted(finished, key=lambda run: (run.ended, run.id))}
         return FinishedRuns(list(newest.values()), unfinished, experiment.experiment_id)
@@ -131,8 +132,8 @@ class Store:
     def tables(self, runs: Sequence[Run], level: Literal["frames", "clips"]) -> dict[str, pd.DataFrame]:
         """Return the scores of each run by the run's id, one row per frame or clip; a run without scores is left out.
 
-        Runs of earlier versions have JSON tables only; of a table that was logged twice (by a job that was continued), the
-        last row of each scene, clip and frame counts.
+        Runs of earlier versions have JSON tables only; of a table that was logged twice (by a job that was continued),
+        the last row of each scene, clip and frame counts.
 
         Raises:
             UserError: the store gave no run's clips.

@@ -21,7 +21,8 @@ _NUMBERS: dict[str, tuple[type, float, float]] = {
 
 
 def check_numbers(cfg: DictConfig) -> None:
-    """Raise `UserError` for a number of another type or outside of its range; numbers of a model or loss check themselves."""
+    """Raise `UserError` for a number of another type or outside of its range; numbers of a model or loss check
+    themselves."""
     for key, (kind, low, high) in _NUMBERS.items():
         value = OmegaConf.select(cfg, key)
         if value is None:

@@ -25,8 +25,9 @@ def fit(
 ) -> Upsampler:
     """Train the configured model, from ``folder/last.ckpt`` if it exists; log ``train/minutes`` and the checkpoint.
 
-    The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters. Samples depend on their
-    index only, so an interrupted run reaches the weights of an uninterrupted one. The checkpoint also holds the configuration
+    The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters. Samples depend on
+    their index only, so an interrupted run reaches the weights of an uninterrupted one. The checkpoint also holds the
+    configuration
     that is needed to use it: see `supersampling.runs.checkpoint`.
     """
     L.seed_everything(cfg.seed, workers=True, verbose=False)
@@ -63,7 +64,8 @@ def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsamp
     """
     if cfg.budget.counted + loss.previous > cfg.budget.frames:
         raise UserError(
-            f"budget.counted={cfg.budget.counted} needs more than budget.frames={cfg.budget.frames} with this loss, which reads "
+            f"budget.counted={cfg.budget.counted} needs more than budget.frames={cfg.budget.frames} with this loss, "
+            "which reads "
             f"{loss.previous} frame before the counted ones: count fewer frames, or unroll more."
         )
     cut = Cut(cfg.budget.crop, cfg.budget.frames, cfg.budget.counted + loss.previous)

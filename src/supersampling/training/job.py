@@ -33,7 +33,8 @@ Files = Mapping[str, list[Path]]
 
 
 def fitting_buffers(cfg: DictConfig) -> frozenset[str]:
-    """Return all buffers that decide a configuration's weights or constants: its model, loss and window choice read them."""
+    """Return all buffers that decide a configuration's weights or constants: its model, loss and window choice read
+    them."""
     model: Upsampler = instantiate(cfg.model)
     names = model.requires | {"target"}
     if is_learned(model):

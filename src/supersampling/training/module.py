@@ -49,7 +49,8 @@ class NotFinite(Exception):
 
 
 def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
-    """Run a model over a clip from its first frame; return the outputs of the last ``keep`` frames, ``(B, keep, 3, H, W)``.
+    """Run a model over a clip from its first frame; return the outputs of the last ``keep`` frames, ``(B, keep, 3, H,
+    W)``.
 
     For the earlier frames, only the state is computed.
     """
@@ -68,8 +69,8 @@ def unroll(model: Upsampler, clip: Mapping[str, Tensor], keep: int) -> Tensor:
 class Training(L.LightningModule):
     """Trains ``model`` with ``loss`` on the last ``counted`` frames of each sub-sequence (DLCTUS 4.3.1 and 4.3.4).
 
-    Logs ``train/loss`` per epoch, ``train/<term>`` for each term of a sum of several, and ``val/psnr``, the mean over whole
-    validation clips. A loss that is not finite raises `NotFinite` within `CHECKED_TOGETHER` steps, and before any
+    Logs ``train/loss`` per epoch, ``train/<term>`` for each term of a sum of several, and ``val/psnr``, the mean over
+    whole validation clips. A loss that is not finite raises `NotFinite` within `CHECKED_TOGETHER` steps, and before any
     checkpoint is written.
     """
 
@@ -112,7 +113,8 @@ class Training(L.LightningModule):
         bad = [name for name, weight in checkpoint["state_dict"].items() if not weight.isfinite().all()]
         if bad:
             raise NotFinite(
-                f"The weights {', '.join(bad[:3])} stopped being finite in the last step of epoch {self.current_epoch}, whose "
+                f"The weights {', '.join(bad[:3])} stopped being finite in the last step of epoch "
+                f"{self.current_epoch}, whose "
                 f"loss was finite. {ADVICE}"
             )
 

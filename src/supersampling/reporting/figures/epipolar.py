@@ -12,7 +12,8 @@ from supersampling.reporting.pages.sheet import Text
 WIDTH = 64
 CAPTION = (
     "The middle row of pixels in every frame of a clip, time downwards; of its columns those where the methods’ summed "
-    "absolute error is largest. A stable picture has clean lines like the target’s; flicker is stripes across, ghosting "
+    "absolute error is largest. A stable picture has clean lines like the target’s; flicker is stripes across, "
+    "ghosting "
     "a smear."
 )
 

@@ -25,7 +25,8 @@ def state_galleries(
 ) -> list[Gallery]:
     """Copy each method's pictures beside the targets' crops to ``out``; one gallery per kind of picture and method.
 
-    ``states`` and ``crops`` are the downloaded folders by run id. Columns are scenes, the target's crop above the state's.
+    ``states`` and ``crops`` are the downloaded folders by run id. Columns are scenes, the target's crop above the
+    state's.
     """
     targets = {
         path.stem.removesuffix("_target"): path

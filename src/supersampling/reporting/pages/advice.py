@@ -69,8 +69,10 @@ def _answers(rows: list[Row], machines: str) -> Sheet:
         for row in rows
     ]
     notes = [
-        "The cheapest composition whose loss against the best of the search lies within the margin by the end of its 95% "
-        "interval, paired over test clips and seeds. Open: cheaper ones of which the interval says neither; more seeds or clips "
+        "The cheapest composition whose loss against the best of the search lies within the margin by the end of its "
+        "95% "
+        "interval, paired over test clips and seeds. Open: cheaper ones of which the interval says neither; more seeds "
+        "or clips "
         "would tell.",
         f"Milliseconds a frame in streaming use, of so many rendered pixels: {machines}.",
     ]
@@ -92,8 +94,10 @@ def _savings(rows: list[Row]) -> Sheet:
         for row in rows
     ]
     notes = [
-        "Buffers are those that some composition of the space reads and the answer does not; MB a frame. Trainings, optimizer "
-        "steps and minutes of training: of the search, and of a walk over the whole space by the last round's trainings (its "
+        "Buffers are those that some composition of the space reads and the answer does not; MB a frame. Trainings, "
+        "optimizer "
+        "steps and minutes of training: of the search, and of a walk over the whole space by the last round's "
+        "trainings (its "
         "minutes in proportion to its steps)."
     ]
     return Sheet(
@@ -130,8 +134,10 @@ def _parts(space: str, tables: dict[str, pd.DataFrame]) -> Sheet:
                 ]
             )
     notes = [
-        "Mean paired difference over the pairs of compositions that differ in the part alone, and over clips and seeds, with its "
-        "95% interval; milliseconds a frame that it takes; the last round that has such a pair, and how many. What was not "
+        "Mean paired difference over the pairs of compositions that differ in the part alone, and over clips and "
+        "seeds, with its "
+        "95% interval; milliseconds a frame that it takes; the last round that has such a pair, and how many. What was "
+        "not "
         "searched cannot matter on the scene by what its files hold."
     ]
     return Sheet(

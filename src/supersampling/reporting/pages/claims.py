@@ -23,7 +23,8 @@ SIGNS = {"more": "a > b", "less": "a < b", "rises": "rises with every step", "fa
 EXACT_DIGITS = 4
 WORDS = [
     Text(
-        "What the papers conclude, judged by our runs: the mean paired difference over clips and seeds, below it its 95% "
+        "What the papers conclude, judged by our runs: the mean paired difference over clips and seeds, below it its "
+        "95% "
         "interval over other scenes like these. "
     ),
     Text("Reproduced", "bold"),

@@ -10,8 +10,8 @@ VERDICT_COLOURS = {"yes": "0072B2", "no": "D55E00", "open": "6B6B6B"}
 
 @dataclass(frozen=True)
 class Text:
-    """A piece of text, such as a table cell. ``muted`` is for numbers that are not ours or are missing; yes, no and open
-    are verdicts."""
+    """A piece of text, such as a table cell. ``muted`` is for numbers that are not ours or are missing; yes, no and
+    open are verdicts."""
 
     text: str
     style: Style = "plain"

@@ -21,14 +21,16 @@ LOST = "–"
 LEADS = 4
 WORDS = [
     Text(
-        "Published numbers come from another data set than ours: compare differences and orders, not values. Of ours, the "
+        "Published numbers come from another data set than ours: compare differences and orders, not values. Of ours, "
+        "the "
         "best of each comparison is set in "
     ),
     Text("bold", "bold"),
     Text(", the second of three or more is "),
     Text("underlined", "underline"),
     Text(
-        ". A value’s ± is half its 95% bootstrap interval over test clips. A dash is a number that the paper does not give "
+        ". A value’s ± is half its 95% bootstrap interval over test clips. A dash is a number that the paper does not "
+        "give "
         "or its text lost."
     ),
 ]

@@ -91,9 +91,9 @@ def choose_claim(claim: Claim, choice: Choice) -> Chosen:
 def judge(chosen: Chosen, tables: ClipTables) -> Judged:
     """Return a claim's verdict.
 
-    *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin), *contradicted*
-    if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is reproduced if every
-    step is, and contradicted if any is.
+    *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin),
+    *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is
+    reproduced if every step is, and contradicted if any is.
     """
     claim, labels = chosen.claim, list(chosen.runs)
     pairs = list(pairwise(labels))

@@ -98,7 +98,8 @@ def _check_table(table: PublishedTable, paper: Paper, place: str) -> None:
         unknown = [name for name in column.metrics if name not in paper.metrics]
         if unknown or not column.metrics:
             raise UserError(
-                f"{place}: Invalid metrics={column.metrics} of column {column.label}: choose from {list(paper.metrics)}."
+                f"{place}: Invalid metrics={column.metrics} of column {column.label}: choose from "
+                f"{list(paper.metrics)}."
             )
     expected = [len(column.metrics) for column in table.columns]
     if table.compare == "row" and len(set(map(tuple, (column.metrics for column in table.columns)))) != 1:
@@ -135,11 +136,13 @@ def _check_claim(claim: Claim, paper: Paper, place: str) -> None:
         raise UserError(f"{place}: The sides a and b are the same selection: use different ones.")
     if (claim.kind == "same") != (claim.margin is not None) or (claim.margin is not None and claim.margin <= 0):
         raise UserError(
-            f"{place}: Invalid margin={claim.margin} of kind={claim.kind}: use a positive one for same, none for others."
+            f"{place}: Invalid margin={claim.margin} of kind={claim.kind}: use a positive one for same, none for "
+            "others."
         )
     if claim.times != 1.0 and not (claim.times > 1.0 and claim.kind == "less" and claim.metric.startswith("run:")):
         raise UserError(
-            f"{place}: Invalid times={claim.times:g} of kind={claim.kind}: use a factor above 1, of kind less and a run: metric."
+            f"{place}: Invalid times={claim.times:g} of kind={claim.kind}: use a factor above 1, of kind less and a "
+            "run: metric."
         )
 
 

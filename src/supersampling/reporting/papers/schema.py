@@ -15,7 +15,8 @@ BY_NUMBER = ""
 
 @dataclass(frozen=True, kw_only=True)
 class Metric:
-    """A printed quantity; ``ours`` names the column of our clip tables (or the run's metric) that holds it, times ``factor``.
+    """A printed quantity; ``ours`` names the column of our clip tables (or the run's metric) that holds it, times
+    ``factor``.
 
     ``ours`` is ``None`` for a quantity that is never measured here.
     """
@@ -39,7 +40,8 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """A row; ``values[c][m]`` is the published number of column ``c``'s ``m``-th metric, ``None`` if it is lost or empty.
+    """A row; ``values[c][m]`` is the published number of column ``c``'s ``m``-th metric, ``None`` if it is lost or
+    empty.
 
     ``select`` is ``None`` for a method that this project lacks.
     """

@@ -116,9 +116,9 @@ def list_candidates(
 ) -> list[Candidate]:
     """Return the methods joined with the times of their architecture.
 
-    A float32 time has the quality that the method's runs were scored with, whatever its backend: they differ by rounding.
-    Any other precision has that and its measured cost; it is left out if the cost was not measured. A method without a
-    time is left out as well.
+    A float32 time has the quality that the method's runs were scored with, whatever its backend: they differ by
+    rounding. Any other precision has that and its measured cost; it is left out if the cost was not measured. A method
+    without a time is left out as well.
 
     Args:
         timings: of several of one architecture, place, backend and precision the last counts.
@@ -177,8 +177,8 @@ def gap(a: Candidate, b: Candidate, clips: ClipTables, metric: str = "psnr") -> 
 def front(candidates: Sequence[Candidate], higher: bool = True) -> list[Candidate]:
     """Return the candidates that no other beats, fastest first.
 
-    A candidate is beaten by one that is as fast and better, or as good and faster. Of two with the same time and quality
-    neither beats the other. A candidate without a time or a quality is on no front.
+    A candidate is beaten by one that is as fast and better, or as good and faster. Of two with the same time and
+    quality neither beats the other. A candidate without a time or a quality is on no front.
 
     Args:
         higher: whether more of the quality is better.

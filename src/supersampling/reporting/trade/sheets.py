@@ -106,7 +106,8 @@ def _front_sheet(trade: Trade, place: Place, index: int) -> Sheet:
     clips = max(c.quality.clips for c in candidates)
     notes = [
         f"{place}; batch 1, one frame at a time with its state. Median, and its quartiles in brackets.",
-        f"PSNR: mean over {clips} test clips ± half the 95% interval over scenes and seeds; of a lower precision with what "
+        f"PSNR: mean over {clips} test clips ± half the 95% interval over scenes and seeds; of a lower precision with "
+        "what "
         "that was measured to cost. Δ is paired over clips, and so far narrower.",
         "“front”: no other is as fast and better, or as good and faster, by their means.",
     ]
@@ -160,8 +161,10 @@ def _precision_sheet(trade: Trade) -> Sheet:
         for c in sorted(trade.changes, key=lambda c: (c.method, c.precision, c.backend))
     ]
     notes = [
-        "Against the same weights in PyTorch's float32, both over whole clips with a state of their own: paired, ± half the 95% "
-        "interval over scenes. Drift is the slope of a straight line through each clip's differences. The largest difference "
+        "Against the same weights in PyTorch's float32, both over whole clips with a state of their own: paired, ± "
+        "half the 95% "
+        "interval over scenes. Drift is the slope of a straight line through each clip's differences. The largest "
+        "difference "
         "is of any pixel of any frame, of a range of 1."
     ]
     return Sheet(
