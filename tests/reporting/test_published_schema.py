@@ -12,14 +12,24 @@ from supersampling.reporting.papers.published import load_paper, load_papers, na
 from supersampling.reporting.papers.schema import Paper
 
 SMALL: dict[str, Any] = {
-    "paper": "small", "title": "A paper", "authors": "A. One, B. Two", "source": "1999", "short": "One et al.",
+    "paper": "small",
+    "title": "A paper",
+    "authors": "A. One, B. Two",
+    "source": "1999",
+    "short": "One et al.",
     "metrics": {
         "psnr": {"label": "PSNR", "unit": "dB", "better": "higher", "decimals": 2, "ours": "psnr"},
         "layer": {"label": "time", "unit": "ms", "better": "lower", "decimals": 1, "ours": None},
     },
     "tables": [
         {
-            "number": "S1", "section": "1", "page": 1, "title": "Quality.", "compare": "row", "headers": ["scene"], "base": {},
+            "number": "S1",
+            "section": "1",
+            "page": 1,
+            "title": "Quality.",
+            "compare": "row",
+            "headers": ["scene"],
+            "base": {},
             "lost": "The second column is lost.",
             "columns": [
                 {"label": "A", "select": {"model": "a"}, "metrics": ["psnr"]},
@@ -31,26 +41,52 @@ SMALL: dict[str, Any] = {
             ],
         }
     ],
-    "facts": [{"number": "2", "section": "1", "page": 1, "title": "Scenes.", "headers": ["a", "b"], "rows": [["x", ""]]}],
+    "facts": [
+        {"number": "2", "section": "1", "page": 1, "title": "Scenes.", "headers": ["a", "b"], "rows": [["x", ""]]}
+    ],
     "pictures": [{"number": "figure 3", "section": "1", "page": 1, "title": "Crops.", "ours": "crops"}],
     "figures": [
         {
-            "number": "4", "section": "1", "page": 1, "title": "Curve.", "kind": "curve", "sweep": None, "metric": "psnr",
-            "x": "frame", "base": {}, "series": [{"label": "A", "select": {"model": "a"}}],
+            "number": "4",
+            "section": "1",
+            "page": 1,
+            "title": "Curve.",
+            "kind": "curve",
+            "sweep": None,
+            "metric": "psnr",
+            "x": "frame",
+            "base": {},
+            "series": [{"label": "A", "select": {"model": "a"}}],
         }
     ],
     "claims": [
         {
-            "id": "small-1", "text": "A is better.", "source": "Table S1", "page": 1, "kind": "more", "metric": "psnr",
-            "unit": "dB", "base": {}, "a": {"model": "a"}, "b": {"model": "b"}, "published": None,
+            "id": "small-1",
+            "text": "A is better.",
+            "source": "Table S1",
+            "page": 1,
+            "kind": "more",
+            "metric": "psnr",
+            "unit": "dB",
+            "base": {},
+            "a": {"model": "a"},
+            "b": {"model": "b"},
+            "published": None,
         },
         {
-            "id": "small-2", "text": "More is better.", "source": "Table S1", "page": 1, "kind": "rises", "metric": "psnr",
-            "unit": "dB", "steps": [{"label": "1", "select": {"n": 1}}, {"label": "2", "select": {"n": 2}}],
-            "a": {"n": 2}, "b": {"n": 1},
+            "id": "small-2",
+            "text": "More is better.",
+            "source": "Table S1",
+            "page": 1,
+            "kind": "rises",
+            "metric": "psnr",
+            "unit": "dB",
+            "steps": [{"label": "1", "select": {"n": 1}}, {"label": "2", "select": {"n": 2}}],
+            "a": {"n": 2},
+            "b": {"n": 1},
         },
     ],
-}  # fmt: skip
+}
 
 
 def load(folder: Path, raw: dict[str, Any]) -> Paper:
@@ -58,7 +94,7 @@ def load(folder: Path, raw: dict[str, Any]) -> Paper:
     return load_paper(folder / "small.yaml")
 
 
-def test_what_a_file_may_leave_away_or_empty(tmp_path: Path) -> None:
+def test_optional_and_empty_entries(tmp_path: Path) -> None:
     paper = load(tmp_path, SMALL)
     assert paper.tables[0].rows[0].values == [[30.0], [None]]
     assert paper.tables[0].rows[1].select is None
@@ -79,7 +115,7 @@ def test_a_table_without_a_sweep(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "value", "told"),
+    ("place", "value", "message"),
     [
         (("tables", 0, "number"), 2, 'number: Invalid value 2: use a text, written as "2"'),
         (("tables", 0, "lost"), "", "has a null: say in lost what is missing"),
@@ -102,13 +138,15 @@ def test_a_table_without_a_sweep(tmp_path: Path) -> None:
         (("claims", 0, "a"), {"model": ["a"]}, "run parameters"),
     ],
 )
-def test_a_wrong_entry_is_told_with_its_place(tmp_path: Path, place: tuple[Any, ...], value: Any, told: str) -> None:
+def test_wrong_entry_is_reported_with_its_place(
+    tmp_path: Path, place: tuple[Any, ...], value: Any, message: str
+) -> None:
     raw = copy.deepcopy(SMALL)
-    at: Any = raw
+    entry: Any = raw
     for key in place[:-1]:
-        at = at[key]
-    at[place[-1]] = value
-    with pytest.raises(UserError, match=told) as error:
+        entry = entry[key]
+    entry[place[-1]] = value
+    with pytest.raises(UserError, match=message) as error:
         load(tmp_path, raw)
     assert "small.yaml" in str(error.value)
 
