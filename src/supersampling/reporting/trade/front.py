@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 from omegaconf import OmegaConf
 
+from supersampling.errors import UserError
 from supersampling.reporting.methods import Method
 from supersampling.runs.estimates import ClipTables, difference, estimate
 from supersampling.runs.method import CONFIGURATION
@@ -99,7 +101,9 @@ def architectures(runs: Iterable[Run], store: Store) -> Architectures:
         config: Any = OmegaConf.to_container(OmegaConf.load(path), resolve=True)
         model, scale = config["model"], int(config["task"]["scale"])
         by_run[run] = architecture(model, scale)
-        former[former_architecture(restored(model, f"Run {run}"), scale)] = by_run[run]
+        # A class that conf/model lacks has no former name, and must not end the report.
+        with suppress(UserError):
+            former[former_architecture(restored(model, f"Run {run}"), scale)] = by_run[run]
     return Architectures(by_run, former)
 
 
