@@ -153,7 +153,8 @@ class Clip:
         return Scales.measure(self.view, t).motion
 
     def warp_check(self, t: int) -> WarpCheck | None:
-        """Compare the target of frame ``t`` with the previous one, as it was and warped; None if a buffer is missing."""
+        """Compare the target of frame ``t`` with the previous one, as it was and warped; None if a buffer is
+        missing."""
         return check_warp(self.view, t)
 
     def lighting(self, t: int) -> NDArray[Any] | None:
@@ -178,7 +179,8 @@ def warp_images(check: WarpCheck) -> dict[str, Picture]:
 
 @torch.inference_mode()
 def upsample(model: Upsampler, clip: Clip) -> Iterator[Tensor]:
-    """Yield the output for each frame of a clip in order, ``(3, H, W)`` in [0, 1]; the state is carried between frames."""
+    """Yield the output for each frame of a clip in order, ``(3, H, W)`` in [0, 1]; the state is carried between
+    frames."""
     state: Any = None
     for t in range(len(clip)):
         frame = clip.frame(t)
@@ -208,7 +210,8 @@ def _experiment(tracking_uri: str | None) -> Experiment:
 
 
 def finished_runs(tracking_uri: str | None = None) -> pd.DataFrame:
-    """Return the finished jobs of a store, the newest first: ``run, name, method, dataset`` and all means and parameters.
+    """Return the finished jobs of a store, the newest first: ``run, name, method, dataset`` and all means and
+    parameters.
 
     Args:
         tracking_uri: of the MLflow store; by default the one that ``train.py`` writes to.

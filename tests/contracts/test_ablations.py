@@ -159,7 +159,8 @@ def composed(command):
 
 
 def sample(cfg, model, loss):
-    """What the loaders would give: references and all else of high resolution for the frames that the loss sees alone."""
+    """What the loaders would give: references and all else of high resolution for the frames that the loss sees
+    alone."""
     side = -(-16 // model.scale)  # VGG-16 needs 16 target pixels, SSIM 11
     names = model.requires | model.compares | loss.requires | instantiate(cfg.pick).requires
     buffers = clip(names, model.scale, cfg.budget.frames, cfg.budget.batch, side, side + 1, dtype=torch.float32)

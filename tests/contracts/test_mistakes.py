@@ -1,4 +1,5 @@
-"""What a person gets wrong gets one clear sentence, a non-zero exit, no stack trace, and leaves nothing half-written."""
+"""What a person gets wrong gets one clear sentence, a non-zero exit, no stack trace, and leaves nothing half-
+written."""
 
 import os
 import subprocess

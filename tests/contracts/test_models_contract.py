@@ -38,7 +38,8 @@ def tensors(state):
 
 
 def test_every_option_is_found():
-    """A slot's default is an option of its own folder, and what was read of the yaml files is what Hydra makes of them."""
+    """A slot's default is an option of its own folder, and what was read of the yaml files is what Hydra makes of
+    them."""
     assert {"nsrr", "nsrd", "enss_m", "dlctus", "tus", "jau", "bicubic"} <= set(FAMILIES)
     assert {"nsrr_fast", "enss_s", "enss_l"} <= set(MODELS)
     for family, slots in SLOTS.items():
@@ -99,9 +100,9 @@ def test_a_clip_s_result_does_not_depend_on_its_neighbours(variant):
 def test_zero_motion_is_the_identity_for_the_warped_part(variant, monkeypatch):
     """A clip whose frames are all the first, still, gives the same to the bit as a model that cannot warp.
 
-    Still means one jitter as well: where a low-resolution image is warped, a change of jitter moves its samples. Estimated flow
-    has to find none between equal frames. In a moving clip the two models differ, but for those that warp nothing: methods of
-    one frame, and the options that leave motion out.
+    Still means one jitter as well: where a low-resolution image is warped, a change of jitter moves its samples.
+        Estimated flow has to find none between equal frames. In a moving clip the two models differ, but for those that
+        warp nothing: methods of one frame, and the options that leave motion out.
     """
     model = model_of(*variant)
     moving = clip(model.requires)
@@ -124,8 +125,8 @@ def test_zero_motion_is_the_identity_for_the_warped_part(variant, monkeypatch):
 def test_a_detached_state_goes_on_as_the_state_does(variant):
     """What goes in is what came out: same outputs and states from a detached copy, which the model leaves as it was.
 
-    A state is tensors alone, batch first, of one shape and type at every frame. `Upsampler.advance`, with which a training
-    skips the outputs that its loss does not count, gives the same state.
+    A state is tensors alone, batch first, of one shape and type at every frame. `Upsampler.advance`, with which a
+    training skips the outputs that its loss does not count, gives the same state.
     """
     model = model_of(*variant)
     buffers = clip(model.requires)
@@ -149,7 +150,8 @@ def test_a_detached_state_goes_on_as_the_state_does(variant):
 @every_variant
 @torch.no_grad()
 def test_what_is_declared_is_read_and_nothing_else(variant):
-    """Every buffer in ``requires`` changes what is displayed, so an option that is off left none behind; all others do not.
+    """Every buffer in ``requires`` changes what is displayed, so an option that is off left none behind; all others do
+    not.
 
     Buffers of high resolution are read where an output is displayed.
     """
@@ -198,7 +200,8 @@ OFF = [
 
 @pytest.mark.parametrize(("family", "slot", "option"), OFF, ids=lambda x: x)
 def test_off_has_no_more_parameters_and_inputs_than_any_option(family, slot, option):
-    """Beside the two tests above; ``compares`` are a training's inputs. Displayed colour is another input than light, no more."""
+    """Beside the two tests above; ``compares`` are a training's inputs. Displayed colour is another input than
+    light, no more."""
     off, other = model_of(family, f"model/{slot}=none"), model_of(family, f"model/{slot}={option}")
     assert sum(p.numel() for p in off.parameters()) <= sum(p.numel() for p in other.parameters())
     assert len(off.state_dict()) <= len(other.state_dict())

@@ -140,7 +140,8 @@ CALLS = {
 
 @pytest.mark.parametrize(("slot", "option"), OPTIONS, ids=lambda x: x)
 def test_a_stage_s_gradient(slot, option):
-    """Motion too is differentiated where it is interpolated at; which pixel is nearest, or hidden, has no derivative."""
+    """Motion too is differentiated where it is interpolated at; which pixel is nearest, or hidden, has no
+    derivative."""
     if (slot, option) in NOT_DIFFERENTIABLE or slot not in CALLS:
         pytest.skip(NOT_DIFFERENTIABLE.get((slot, option), "checked inside its model"))
     torch.manual_seed(0)

@@ -42,7 +42,8 @@ def moved(values):
 @every_variant
 @torch.no_grad()
 def test_translation_commutes_away_from_borders(variant):
-    """NSRD is tested without its U-shaped module, whose channel attention takes means over the whole image: see below."""
+    """NSRD is tested without its U-shaped module, whose channel attention takes means over the whole image: see
+    below."""
     reasons = [reason for override, reason in ESTIMATED.items() if override in variant]
     if reasons:
         pytest.skip(reasons[0])

@@ -216,7 +216,8 @@ def test_a_spot_shines_within_its_cone():
 @pytest.mark.parametrize("jitter", [(0.0, 0.0), (0.3, -0.4)])
 @pytest.mark.parametrize("step", [(5, 0), (-3, 4)])
 def test_dual_motion_marks_exactly_the_band_behind_a_sliding_square(step, jitter):
-    """NSRD supplement, section 2: a square of 30 pixels slides over a plane by whole pixels, its edges between pixels."""
+    """NSRD supplement, section 2: a square of 30 pixels slides over a plane by whole pixels, its edges between
+    pixels."""
     pixel = 2 * 3.0 * np.tan(0.5) / 96  # metres a pixel at the square's distance
     square = wall(-15 * pixel, 15 * pixel, -15 * pixel, 15 * pixel, -3.0, 1)
 

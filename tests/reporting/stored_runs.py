@@ -114,10 +114,8 @@ def _frames(psnr: float, clips: int, seed: int) -> pd.DataFrame:
 def config(log: Log, output: Path, **more: Any) -> DictConfig:
     cfg = OmegaConf.load(ROOT / "conf" / "report.yaml")
     del cfg["defaults"], cfg["hydra"]
-    return OmegaConf.merge(
-        cfg,
-        {"tracking_uri": log.uri, "experiment_name": "supersampling", "output": str(output), "paper": "dlctus", **more},
-    )  # type: ignore[return-value]
+    settings = {"tracking_uri": log.uri, "experiment_name": "supersampling", "output": str(output), "paper": "dlctus"}
+    return OmegaConf.merge(cfg, {**settings, **more})  # type: ignore[return-value]
 
 
 def ours(report: Path, table: int) -> pd.DataFrame:

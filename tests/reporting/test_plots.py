@@ -1,4 +1,4 @@
-"""Which runs a figure takes, what is drawn of them, and that the bytes stay the same."""
+"""The runs of a figure, the drawn values, and reproducible bytes."""
 
 from functools import partial
 from pathlib import Path
@@ -29,7 +29,7 @@ def frames(level: float) -> pd.DataFrame:
     return table.assign(psnr=level + table.frame + 4.0 * (table.scene == "bar"))
 
 
-FRAMES = {one.id: frames(20.0 + index) for index, one in enumerate(RUNS)}
+FRAMES = {example.id: frames(20.0 + index) for index, example in enumerate(RUNS)}
 CLIPS = {name: table.groupby(["scene", "clip"])["psnr"].mean().reset_index() for name, table in FRAMES.items()}
 BOTH = [
     Series("NSRR", {"model": "nsrr"}),
@@ -51,28 +51,28 @@ def figure(kind: str, x: str | None = None, series: list[Series] = BOTH) -> Publ
     )
 
 
-def chosen(stated: PublishedFigure) -> FigureRuns:
-    return choose_figure(stated, choose(RUNS, None, None))
+def choose_example(published_figure: PublishedFigure) -> FigureRuns:
+    return choose_figure(published_figure, choose(RUNS, None, None))
 
 
 def test_a_parameters_values_are_points_in_the_order_of_numbers() -> None:
-    found = chosen(figure("curve", "model.previous", BOTH[:1]))
-    assert {x: [r.name for r in runs] for x, runs in found.points["NSRR"].items()} == {
+    result = choose_example(figure("curve", "model.previous", BOTH[:1]))
+    assert {x: [r.name for r in runs] for x, runs in result.points["NSRR"].items()} == {
         "0": ["p0"],
         "2": ["p2"],
         "10": ["p10"],
     }
     ax = Figure().subplots()
-    assert published._curve(ax, found, CLIPS) == 1
+    assert published._curve(ax, result, CLIPS) == 1
     assert list(ax.lines[0].get_xdata()) == [0, 2, 10]
     assert list(ax.lines[0].get_ydata()) == [25.0, 24.0, 23.0]
 
 
 def test_frames_are_means_over_clips() -> None:
-    found = chosen(figure("curve", "frame", BOTH[1:2]))
-    assert found.over_frames
+    result = choose_example(figure("curve", "frame", BOTH[1:2]))
+    assert result.over_frames
     ax = Figure().subplots()
-    assert published._frame_curve(ax, found, FRAMES) == 1
+    assert published._frame_curve(ax, result, FRAMES) == 1
     assert list(ax.lines[0].get_ydata()) == [25.0, 26.0, 27.0]
 
 
@@ -87,13 +87,13 @@ def test_frames_are_means_over_clips() -> None:
     ],
 )
 def test_every_kind_is_drawn_the_same_twice_and_says_what_is_missing(tmp_path: Path, kind: str, x: str | None) -> None:
-    found = chosen(figure(kind, x))
-    assert found.missing == ["none"]
-    assert all(published.draw(found, CLIPS, FRAMES, "PSNR (dB)", tmp_path / name) for name in ("a.pdf", "b.pdf"))
+    result = choose_example(figure(kind, x))
+    assert result.missing == ["none"]
+    assert all(published.draw(result, CLIPS, FRAMES, "PSNR (dB)", tmp_path / name) for name in ("a.pdf", "b.pdf"))
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
 
 
 def test_nothing_is_written_where_nothing_was_run(tmp_path: Path) -> None:
-    found = chosen(figure("box", series=BOTH[2:]))
-    assert not published.draw(found, CLIPS, FRAMES, "PSNR (dB)", tmp_path / "a.pdf")
+    result = choose_example(figure("box", series=BOTH[2:]))
+    assert not published.draw(result, CLIPS, FRAMES, "PSNR (dB)", tmp_path / "a.pdf")
     assert list(tmp_path.iterdir()) == []

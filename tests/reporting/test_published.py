@@ -79,7 +79,7 @@ def _set(raw: Any, path: tuple[Any, ...], value: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "told"),
+    ("path", "value", "message"),
     [
         (("tables", 0, "page"), "p. 34", "page: Invalid value 'p. 34': use a whole number"),
         (("tables", 0, "number"), "10", "table numbers: 10 more than once"),
@@ -92,12 +92,12 @@ def _set(raw: Any, path: tuple[Any, ...], value: Any) -> None:
         (("tables", 0, "rows"), [], "not empty"),
     ],
 )
-def test_a_wrong_file_is_told_with_its_place(tmp_path: Path, path: tuple[Any, ...], value: Any, told: str) -> None:
+def test_wrong_file_is_reported_with_its_place(tmp_path: Path, path: tuple[Any, ...], value: Any, message: str) -> None:
     raw = yaml.safe_load(FILE.read_text(encoding="utf-8"))
     _set(raw, path, value)
     wrong = tmp_path / "wrong.yaml"
     wrong.write_text(yaml.safe_dump(raw, allow_unicode=True), encoding="utf-8")
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         load_paper(wrong)
 
 

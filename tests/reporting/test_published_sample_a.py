@@ -1,7 +1,7 @@
 """NSRR's and ENSS's numbers, typed a second time from the papers' text, a line of a table to a line here.
 
-The files may turn a table around or split its lines of time from those of quality: a line here must be a row, a column
-or a cell there, or several rows or columns that have nothing left over.
+The files may transpose a table or separate its lines of time from those of quality: a line here must be a row, a column
+or a cell there, or several rows or columns without a remainder.
 """
 
 import re

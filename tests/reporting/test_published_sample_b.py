@@ -1,7 +1,7 @@
 """The published numbers of NSRD and DLCTUS against a second transcription of a sample, typed from the papers' text.
 
-A block holds a table's numbers line by line as they are printed. The file holds the same numbers, and each printed line
-within one of its rows or one of its columns. Milliseconds for microseconds are as good.
+A block holds a table's numbers line by line as they are printed. The file must hold the same numbers, and each printed
+line within one of its rows or columns. Milliseconds in place of microseconds are accepted.
 """
 
 import re

@@ -94,7 +94,7 @@ def load(folder: Path, raw: dict[str, Any]) -> Paper:
     return load_paper(folder / "small.yaml")
 
 
-def test_what_a_file_may_leave_away_or_empty(tmp_path: Path) -> None:
+def test_optional_and_empty_entries(tmp_path: Path) -> None:
     paper = load(tmp_path, SMALL)
     assert paper.tables[0].rows[0].values == [[30.0], [None]]
     assert paper.tables[0].rows[1].select is None
@@ -115,7 +115,7 @@ def test_a_table_without_a_sweep(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("place", "value", "told"),
+    ("place", "value", "message"),
     [
         (("tables", 0, "number"), 2, 'number: Invalid value 2: use a text, written as "2"'),
         (("tables", 0, "lost"), "", "has a null: say in lost what is missing"),
@@ -138,13 +138,15 @@ def test_a_table_without_a_sweep(tmp_path: Path) -> None:
         (("claims", 0, "a"), {"model": ["a"]}, "run parameters"),
     ],
 )
-def test_a_wrong_entry_is_told_with_its_place(tmp_path: Path, place: tuple[Any, ...], value: Any, told: str) -> None:
+def test_wrong_entry_is_reported_with_its_place(
+    tmp_path: Path, place: tuple[Any, ...], value: Any, message: str
+) -> None:
     raw = copy.deepcopy(SMALL)
-    at: Any = raw
+    entry: Any = raw
     for key in place[:-1]:
-        at = at[key]
-    at[place[-1]] = value
-    with pytest.raises(UserError, match=told) as error:
+        entry = entry[key]
+    entry[place[-1]] = value
+    with pytest.raises(UserError, match=message) as error:
         load(tmp_path, raw)
     assert "small.yaml" in str(error.value)
 

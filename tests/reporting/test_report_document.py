@@ -51,9 +51,9 @@ def test_the_lead_of_the_best_is_paired_over_clips(reports: Path, log: Log) -> N
     seeds = tuple(f"dlctus l1 seed={seed} x4" for seed in range(3))
     lead = mean_of(log, "psnr", seeds) - mean_of(log, "psnr", ("dlctus accumulate=none l1 seed=0 x4",))
     text = (reports / "dlctus_table16.md").read_text()
-    found = re.search(r"paired over clips: 4×4/1 ([\d.]+) \(([\d.]+) to ([\d.]+)\)", text)
-    assert found is not None
-    mean, low, high = map(float, found.groups())
+    match = re.search(r"paired over clips: 4×4/1 ([\d.]+) \(([\d.]+) to ([\d.]+)\)", text)
+    assert match is not None
+    mean, low, high = map(float, match.groups())
     assert mean == pytest.approx(lead, abs=0.006)
     # Unpaired, the clips' spread of 2.5 dB would make this half-width about 1 dB.
     assert 0 < high - low < 0.3
@@ -93,12 +93,12 @@ def test_the_same_runs_give_the_same_bytes(reports: Path, log: Log, tmp_path: Pa
 
 def test_a_claim_is_judged_on_paired_clips(reports: Path, log: Log) -> None:
     claims = pd.read_csv(reports / "dlctus_claims.csv").set_index("claim")
-    told = claims[claims.statement.str.contains("ahead of jitter-aligned")].iloc[0]
+    row = claims[claims.statement.str.contains("ahead of jitter-aligned")].iloc[0]
     lead = mean_of(log, "psnr", ("tus x4",)) - mean_of(log, "psnr", ("jau x4",))
-    assert told.verdict == "reproduced"
-    assert told.ours == pytest.approx(lead)
-    assert told.low_95 < lead < told.high_95
-    assert told.holds_on == "atrium foundry stk/zengarden"
+    assert row.verdict == "reproduced"
+    assert row.ours == pytest.approx(lead)
+    assert row.low_95 < lead < row.high_95
+    assert row.holds_on == "atrium foundry stk/zengarden"
     assert "not run" in set(claims.verdict)
 
 

@@ -24,12 +24,12 @@ from supersampling.errors import UserError
 @contextmanager
 def changed(path: Path, content: bytes | None) -> Iterator[None]:
     """Within, a file of other content, or none."""
-    kept = path.read_bytes()
+    original = path.read_bytes()
     try:
         path.unlink() if content is None else path.write_bytes(content)
         yield
     finally:
-        path.write_bytes(kept)
+        path.write_bytes(original)
 
 
 def clips_of(log: Log, name: str) -> tuple[str, Path]:
@@ -44,19 +44,19 @@ def words(report: Path) -> str:
 
 
 @pytest.mark.parametrize(
-    ("content", "told"), [(b"{}", "clips.json cannot be read"), (None, "it has no table of its clips")]
+    ("content", "message"), [(b"{}", "clips.json cannot be read"), (None, "it has no table of its clips")]
 )
 def test_a_table_that_is_broken_or_missing_is_told_and_the_rest_is_reported(
-    content: bytes | None, told: str, log: Log, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    content: bytes | None, message: str, log: Log, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Its run shows the logged average, without an interval."""
     broken, path = clips_of(log, "jau x4")
     with changed(path, content):
         report(config(log, tmp_path))
-    assert f"run {broken[:12]}: {told}" in capsys.readouterr().out
+    assert f"run {broken[:12]}: {message}" in capsys.readouterr().out
     text = words(tmp_path)
     assert "1 of the runs lack values" in text
-    assert told in text
+    assert message in text
     cell = ours(tmp_path, 2).loc["4×4/1", "JAU", "PSNR"]
     assert 25 < cell.ours < 40
     assert np.isnan(cell.half_width_95)
@@ -67,14 +67,14 @@ def test_a_value_that_is_not_a_number_leaves_its_clip_out_and_is_told(log: Log, 
     _, path = clips_of(log, "jau x4")
     table = json.loads(path.read_text())
     column = table["columns"].index("psnr")
-    kept = [row[column] for row in table["data"]]
+    original = [row[column] for row in table["data"]]
     table["data"][5][column] = float("nan")
     with changed(path, json.dumps(table).encode()):
         report(config(log, tmp_path))
     assert "psnr has no value on clip 1 of foundry: left out" in words(tmp_path)
     cell = ours(tmp_path, 2).loc["4×4/1", "JAU", "PSNR"]
     assert cell.clips == 11
-    assert cell.ours == pytest.approx(np.mean(kept[:5] + kept[6:]))
+    assert cell.ours == pytest.approx(np.mean(original[:5] + original[6:]))
 
 
 def test_a_store_that_goes_away_half_way_leaves_cells_without_intervals_and_says_so(
@@ -82,12 +82,12 @@ def test_a_store_that_goes_away_half_way_leaves_cells_without_intervals_and_says
 ) -> None:
     answer, calls = MlflowClient.download_artifacts, itertools.count()
 
-    def gone(client: MlflowClient, *given: Any) -> str:
+    def gone(client: MlflowClient, *args: Any) -> str:
         if next(calls) >= 4:
             raise MlflowException("Connection refused")
-        return answer(client, *given)
+        return answer(client, *args)
 
-    def no_history(client: MlflowClient, *given: Any) -> None:
+    def no_history(client: MlflowClient, *args: Any) -> None:
         raise MlflowException("Connection refused")
 
     monkeypatch.setattr(MlflowClient, "download_artifacts", gone)
@@ -100,7 +100,7 @@ def test_a_store_that_goes_away_half_way_leaves_cells_without_intervals_and_says
 def test_a_store_that_gives_nothing_at_all_is_an_error(
     log: Log, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def gone(client: MlflowClient, *given: Any) -> None:
+    def gone(client: MlflowClient, *args: Any) -> None:
         raise MlflowException("Connection refused")
 
     monkeypatch.setattr(MlflowClient, "download_artifacts", gone)
@@ -124,7 +124,7 @@ def test_runs_of_another_version_fill_only_what_their_parameters_still_mean(tmp_
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ({"experiment_name": "nothing"}, "nothing"),
         ({"tracking_uri": "sqlite:///no/such.db"}, "no/such.db"),
@@ -134,8 +134,8 @@ def test_runs_of_another_version_fill_only_what_their_parameters_still_mean(tmp_
         ({"paper": "unknown"}, "unknown"),
     ],
 )
-def test_mistakes_are_told(log: Log, tmp_path: Path, change: dict[str, str], told: str) -> None:
-    with pytest.raises(UserError, match=re.escape(told)):
+def test_mistakes_are_told(log: Log, tmp_path: Path, change: dict[str, str], message: str) -> None:
+    with pytest.raises(UserError, match=re.escape(message)):
         report(config(log, tmp_path / "out", **change))
     assert not (tmp_path / "out").exists()
 

@@ -1,4 +1,4 @@
-"""Which runs enter a cell, on hand-made runs."""
+"""The choice of the runs of each cell, on example runs."""
 
 from typing import Any
 
@@ -6,13 +6,13 @@ import pytest
 from example_runs import example_run
 
 from supersampling.errors import UserError
-from supersampling.reporting.selection import choose_runs, matches, one_per_seed, pools_for
+from supersampling.reporting.selection import choose_runs, matches, newest_per_seed, pools_for
 from supersampling.reporting.settings import choose
 from supersampling.runs.store import Run
 
 
 def run(name: str, ended: int = 0, dataset: str = "aaaa", **params: Any) -> Run:
-    """With a budget where there is something to learn."""
+    """Return an example run, with a budget if its model is trained."""
     budget = {} if params.get("model") == "jau" else {"budget": "laptop"}
     return example_run(name, ended, dataset, **{**budget, **params})
 
@@ -22,10 +22,10 @@ def names(runs: list[Run]) -> list[str]:
 
 
 def test_numbers_match_as_numbers_and_absence_matches_nothing() -> None:
-    one = run("a", loss__theta=0.1, task__scale=4)
-    assert matches(one, {"loss.theta": "0.10", "task.scale": "4.0"})
-    assert not matches(one, {"loss.theta": "0.5"})
-    assert not matches(one, {"model.dilate": "none"})
+    item = run("a", loss__theta=0.1, task__scale=4)
+    assert matches(item, {"loss.theta": "0.10", "task.scale": "4.0"})
+    assert not matches(item, {"loss.theta": "0.5"})
+    assert not matches(item, {"model.dilate": "none"})
 
 
 def test_the_data_set_with_most_runs_is_chosen_and_the_newest_of_equals() -> None:
@@ -37,9 +37,9 @@ def test_the_data_set_with_most_runs_is_chosen_and_the_newest_of_equals() -> Non
 
 def test_a_chosen_data_set_keeps_others_out() -> None:
     runs = [run("a1"), run("a2"), run("b", dataset="bbbb", task__scale=2)]
-    other = next(iter(pools_for(choose(runs, None, None), [{"task.scale": "2"}], {})), None)
-    assert other is not None
-    assert names(other[1]) == ["b"]
+    pool = next(iter(pools_for(choose(runs, None, None), [{"task.scale": "2"}], {})), None)
+    assert pool is not None
+    assert names(pool[1]) == ["b"]
     assert pools_for(choose(runs, "aa", None), [{"task.scale": "2"}], {}) == []
 
 
@@ -51,7 +51,7 @@ def test_budgets_never_mix_but_untrained_methods_join() -> None:
     assert len(laptop.pools) == 1
 
 
-def test_unknown_choices_name_what_is_there() -> None:
+def test_unknown_choices_list_the_known_ones() -> None:
     runs = [run("a", dataset="aa11"), run("b", dataset="aa22")]
     with pytest.raises(UserError, match="Several data sets begin with dataset=aa: choose one of aa11, aa22"):
         choose(runs, "aa", None)
@@ -68,12 +68,12 @@ def test_compared_cells_agree_in_what_no_cell_selects() -> None:
         run("clamp buffer", 1, model__accumulate="buffer", model__confine="clamp"),
         run("clamp none", 2, model__accumulate="none", model__confine="clamp"),
     ]
-    chosen = choose_runs(runs, CELLS)
-    assert {key: names(found) for key, found in chosen.cells.items()} == {
+    selection = choose_runs(runs, CELLS)
+    assert {key: names(members) for key, members in selection.cells.items()} == {
         "with": ["clamp buffer"],
         "without": ["clamp none"],
     }
-    assert names(chosen.left_out) == ["sig buffer"]
+    assert names(selection.left_out) == ["sig buffer"]
 
 
 def test_a_cell_that_only_another_configuration_could_fill_stays_empty() -> None:
@@ -82,10 +82,10 @@ def test_a_cell_that_only_another_configuration_could_fill_stays_empty() -> None
         run("b", model__accumulate="buffer", model__confine="sigmoid", seed=1),
         run("c", model__accumulate="none", model__confine="clamp"),
     ]
-    chosen = choose_runs(runs, CELLS)
-    assert names(chosen.cells["with"]) == ["a", "b"]
-    assert chosen.cells["without"] == []
-    assert names(chosen.left_out) == ["c"]
+    selection = choose_runs(runs, CELLS)
+    assert names(selection.cells["with"]) == ["a", "b"]
+    assert selection.cells["without"] == []
+    assert names(selection.left_out) == ["c"]
 
 
 def test_what_belongs_to_a_swept_parameter_may_differ() -> None:
@@ -94,17 +94,12 @@ def test_what_belongs_to_a_swept_parameter_may_differ() -> None:
         run("5", model__reproject="bicubic5", model__reproject__a=-0.5),
     ]
     cells = {name: {"model.reproject": f"bicubic{name}"} for name in ("9", "5")}
-    assert {key: names(found) for key, found in choose_runs(runs, cells).cells.items()} == {
+    assert {key: names(members) for key, members in choose_runs(runs, cells).cells.items()} == {
         "9": ["9"],
         "5": ["5"],
     }
 
 
 def test_the_newest_run_of_a_seed_counts_once() -> None:
-    assert names(
-        one_per_seed([run("old", 1, seed=0), run("ten", 1, seed=10), run("new", 2, seed=0), run("two", 1, seed=2)])
-    ) == [
-        "new",
-        "two",
-        "ten",
-    ]
+    runs = [run("old", 1, seed=0), run("ten", 1, seed=10), run("new", 2, seed=0), run("two", 1, seed=2)]
+    assert names(newest_per_seed(runs)) == ["new", "two", "ten"]

@@ -64,12 +64,12 @@ def test_a_head_is_a_model_s_file_and_its_stages_are_a_note(table):
 
 def test_a_long_table_goes_on_over_sheets(table):
     many = pd.concat([table.iloc[:1].assign(extreme=f"motion/{k}") for k in range(80)])
-    made = typeset(many, "run")
-    assert [len(sheet.rows) for sheet in made] == [34, 34, 12]
-    assert [bool(sheet.notes) for sheet in made] == [False, False, True]
+    pages = typeset(many, "run")
+    assert [len(sheet.rows) for sheet in pages] == [34, 34, 12]
+    assert [bool(sheet.notes) for sheet in pages] == [False, False, True]
 
 
-def test_the_newest_finished_run_is_taken(table, tmp_path):
+def test_newest_finished_run_is_reported(table, tmp_path):
     uri = f"sqlite:///{tmp_path}/mlflow.db"
     client = MlflowClient(uri)
     experiment = client.create_experiment("supersampling", (tmp_path / "artifacts").as_uri())
@@ -77,8 +77,8 @@ def test_the_newest_finished_run_is_taken(table, tmp_path):
     assert sheets(store, experiment) == []
     for k, status in enumerate(("FINISHED", "FINISHED", "FAILED")):
         run = client.create_run(experiment, tags={"ss.kind": "stress", "ss.machine": f"machine {k}"}).info.run_id
-        kept = table if k != 1 else table.astype(object).where(table.notna(), math.nan).head(5)
-        client.log_table(run, kept, "stress.json")
+        stored = table if k != 1 else table.astype(object).where(table.notna(), math.nan).head(5)
+        client.log_table(run, stored, "stress.json")
         client.set_terminated(run, status, end_time=1000 + k)
     (only,) = sheets(store, experiment)
     assert "machine 1" in only.notes[-1]

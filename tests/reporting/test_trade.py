@@ -31,7 +31,7 @@ FACTOR = {"eager": 1.0, "openvino": 0.6}
 
 
 def example_timing(method: str, backend: str, precision: str = "float32", ms: float = 1.0, **more: Any) -> Timing:
-    given: dict[str, Any] = {
+    defaults: dict[str, Any] = {
         "method": method,
         "architecture": architecture({"_target_": method}, 4),
         "scale": 4,
@@ -53,7 +53,7 @@ def example_timing(method: str, backend: str, precision: str = "float32", ms: fl
         "of_product": 0.4,
         "of_copy": 0.2,
     }
-    return Timing(**{**given, **more})
+    return Timing(**{**defaults, **more})
 
 
 def log_benchmark(log: Log, timings: list[Timing], **tables: pd.DataFrame) -> None:
@@ -192,11 +192,11 @@ def test_a_broken_benchmark_is_told_and_the_rest_reported(tmp_path: Path, capsys
 
 def test_tables_survive_json() -> None:
     """NaN and infinity are null there."""
-    one = example_timing("a", "compile", ms=np.nan, low=np.nan, high=np.nan, reason="No.")
-    raw = json.loads(timing.table([one]).to_json(orient="split"))
+    item = example_timing("a", "compile", ms=np.nan, low=np.nan, high=np.nan, reason="No.")
+    raw = json.loads(timing.table([item]).to_json(orient="split"))
     (again,) = timing.timings_of(pd.DataFrame(raw["data"], columns=raw["columns"]))
     assert np.isnan(again.ms)
-    assert replace(again, ms=0.0, low=0.0, high=0.0) == replace(one, ms=0.0, low=0.0, high=0.0)
+    assert replace(again, ms=0.0, low=0.0, high=0.0) == replace(item, ms=0.0, low=0.0, high=0.0)
 
 
 def crowd() -> Trade:
@@ -221,8 +221,8 @@ def test_labels_cover_no_mark_and_no_other_label() -> None:
     figure.canvas = FigureCanvasAgg(figure)
     ax = figure.subplots()
     ax.set_xscale("log")
-    for one in trade.candidates:
-        ax.plot(one.ms, one.quality.mean, "o", markersize=4.5)
+    for item in trade.candidates:
+        ax.plot(item.ms, item.quality.mean, "o", markersize=4.5)
     ax.margins(0.12)
     figure.draw_without_rendering()
     names = {c.label: c.label.split()[0] for c in trade.candidates}
@@ -230,9 +230,9 @@ def test_labels_cover_no_mark_and_no_other_label() -> None:
     boxes = [text.get_window_extent() for text in ax.texts]
     assert len(boxes) == 12
     for k, box in enumerate(boxes):
-        assert not any(box.overlaps(other.padded(-0.5)) for other in boxes[:k])
-        for one in trade.candidates:
-            x, y = ax.transData.transform((one.ms, one.quality.mean))
+        assert not any(box.overlaps(rival.padded(-0.5)) for rival in boxes[:k])
+        for item in trade.candidates:
+            x, y = ax.transData.transform((item.ms, item.quality.mean))
             assert not (box.x0 < x < box.x1 and box.y0 < y < box.y1)
 
 
@@ -247,9 +247,9 @@ def test_the_same_times_give_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_of_equals_the_fastest_is_the_best() -> None:
-    found = crowd().candidates[:3]
-    quick = replace(found[1], timing=replace(found[1].timing, ms=1.0))
-    assert best_of([found[0], quick, found[2]]) is quick
+    candidates = crowd().candidates[:3]
+    quick = replace(candidates[1], timing=replace(candidates[1].timing, ms=1.0))
+    assert best_of([candidates[0], quick, candidates[2]]) is quick
 
 
 def test_differences_to_the_best_are_paired(reports: Path) -> None:

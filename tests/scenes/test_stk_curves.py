@@ -55,7 +55,8 @@ def test_a_lone_key_and_keys_at_one_instant_are_constants() -> None:
 
 def test_frames_per_second_and_unknown_channels() -> None:
     text = (
-        '<object fps="50"><curve channel="RotY" interpolation="linear" extend="const"><p c="1 0"/><p c="51 10"/></curve>'
+        '<object fps="50"><curve channel="RotY" interpolation="linear" extend="const">'
+        '<p c="1 0"/><p c="51 10"/></curve>'
         '<curve channel="LocXYZ"><p c="1 2 3"/></curve></object>'
     )
     text = text.replace('<p c="1 2 3"/>', "")

@@ -26,7 +26,8 @@ def test_a_still_node_turns_as_irrlicht_turns_it() -> None:
 
 def test_an_animated_node_turns_about_x_then_z_then_y() -> None:
     node = fromstring(
-        '<object hpr="0 90 0"><curve channel="RotX" interpolation="linear" extend="const"><p c="1 90"/><p c="26 90"/></curve>'
+        '<object hpr="0 90 0"><curve channel="RotX" interpolation="linear" extend="const">'
+        '<p c="1 90"/><p c="26 90"/></curve>'
         '<curve channel="RotZ" interpolation="linear" extend="const"><p c="1 90"/><p c="26 90"/></curve></object>'
     )
     # About x: y to z, z to -y. About z: x to y, y to -x. About y: z to x, x to -z. So x to y; y to z to x; z to -y to x

@@ -44,7 +44,8 @@ COMMANDS = {
     "stress": "Try models at the extremes against a float64 reference",
     "advise": "Find the cheapest composition that a scene requires",
 }
-"""A line for each command. Its function is ``supersampling.commands.NAME.NAME``, its configuration ``conf/NAME.yaml``."""
+"""A line for each command. Its function is ``supersampling.commands.NAME.NAME``, its configuration
+``conf/NAME.yaml``."""
 
 FAILED: list[int] = []
 """The exit statuses of the jobs that failed."""
@@ -85,8 +86,8 @@ def script(path: str) -> None:
 def launch(name: str, arguments: Sequence[str]) -> None:
     """Run a command as Hydra reads its arguments, and exit with its status.
 
-    0 is success, 1 an error of ours with its stack trace, 2 a mistake of the user's in one sentence, 130 an interrupt; a command
-    may return a status of its own.
+    0 is success, 1 an error of ours with its stack trace, 2 a mistake of the user's in one sentence, 130 an interrupt;
+    a command may return a status of its own.
     """
     os.environ.setdefault(VARIABLE, os.getcwd())
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra's exceptions reach us instead of its own report
@@ -129,7 +130,8 @@ def application(name: str) -> Callable[[], Any]:
 def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
     """Run ``task(cfg)``; print a `UserError` as one sentence and exit with status 2; Ctrl-C and SIGTERM exit with 130.
 
-    A task may return an exit status of its own. The other jobs of a multirun continue after one that failed: see `ExitStatus`.
+    A task may return an exit status of its own. The other jobs of a multirun continue after one that failed: see
+    `ExitStatus`.
     """
     _silence_libraries()
     signal.signal(signal.SIGTERM, signal.default_int_handler)

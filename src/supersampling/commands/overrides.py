@@ -1,4 +1,5 @@
-"""Wrong switches on a command line, each answered by one sentence that names the right one before anything is rendered."""
+"""Wrong switches on a command line, each answered by one sentence that names the right one before anything is
+rendered."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -54,7 +55,8 @@ def _simple_values(value: str) -> list[str]:
 
 
 def explanation(command: str, arguments: Sequence[str], error: Exception) -> str | None:
-    """Return one sentence for an error of Hydra's while it composed a command line, None if the mistake is not the user's."""
+    """Return one sentence for an error of Hydra's while it composed a command line, None if the mistake is not the
+    user's."""
     text = str(error)
     if isinstance(error, OverrideParseException):
         return (

@@ -103,7 +103,7 @@ def _by_processes(order: Order, workers: int, bar: tqdm) -> None:
     try:
         for process in processes:
             process.start()
-        with _one_core(), Studio(path=order.path) as studio:
+        with _single_core(), Studio(path=order.path) as studio:
             for file in order.files():
                 file.work(studio, report)
         while any(process.is_alive() for process in processes):
@@ -122,7 +122,7 @@ def _by_processes(order: Order, workers: int, bar: tqdm) -> None:
 
 
 @contextmanager
-def _one_core() -> Iterator[None]:
+def _single_core() -> Iterator[None]:
     """Make Mesa's software rasteriser use only the calling thread, for contexts that are created inside."""
     before = os.environ.get(_THREADS)
     os.environ[_THREADS] = "0"
@@ -148,7 +148,7 @@ def _worker(order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool
             frames.value += 1
 
     try:
-        with _one_core(), Studio(path=order.path) as studio:
+        with _single_core(), Studio(path=order.path) as studio:
             for file in order.files():
                 file.work(studio, report)
     except UserError as error:

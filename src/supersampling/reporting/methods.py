@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from supersampling.reporting.papers.schema import Paper
-from supersampling.reporting.selection import configurations, loss_numbers, matches, one_per_seed, settings
+from supersampling.reporting.selection import configurations, loss_numbers, matches, newest_per_seed, settings
 from supersampling.reporting.settings import is_trained
 from supersampling.runs.estimates import ClipTables, estimate
 from supersampling.runs.store import Run
@@ -16,7 +16,8 @@ from supersampling.runs.store import Run
 
 @dataclass(frozen=True)
 class Method:
-    """One configuration and its runs, one run per seed. ``leading`` marks the configuration that represents its model."""
+    """One configuration and its runs, one run per seed. ``leading`` marks the configuration that represents its
+    model."""
 
     label: str
     runs: list[Run]
@@ -46,12 +47,13 @@ def list_methods(runs: Sequence[Run], papers: Sequence[Paper]) -> list[Method]:
         numbers = _varied_numbers(leader, groups)
         for group in sorted(groups, key=lambda group: (group is not leader, labels[group[0].id])):
             label = ", ".join([labels[group[0].id], *(numbers if group is leader else [])])
-            methods.append(Method(label, one_per_seed(group), group is leader))
+            methods.append(Method(label, newest_per_seed(group), group is leader))
     return sorted(methods, key=lambda method: (not method.classical, method.classical and method.average("test/psnr")))
 
 
 def _leader(groups: Sequence[list[Run]], papers: Sequence[Paper]) -> list[Run]:
-    """Return the configuration that stands in a paper's first table, else the one nearest to the most common settings."""
+    """Return the configuration that stands in a paper's first table, else the one nearest to the most common
+    settings."""
     tables = [paper.tables[0] for paper in papers]
     selections = [{**table.base, **c.select} for table in tables for c in table.columns if c.select]
     common = Counter(item for group in groups for item in settings(group[0]).items())

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from supersampling.errors import UserError
-from supersampling.reporting.selection import configurations, loss_numbers, matches, one_per_seed, settings
+from supersampling.reporting.selection import configurations, loss_numbers, matches, newest_per_seed, settings
 from supersampling.reporting.settings import Setting
 from supersampling.runs.store import Run
 
@@ -42,7 +42,7 @@ def seed_groups(runs: Iterable[Run]) -> list[Group]:
     for run in runs:
         by_setting[Setting.of(run)].append(run)
     return [
-        Group(setting, one_per_seed(group))
+        Group(setting, newest_per_seed(group))
         for setting, members in sorted(by_setting.items())
         for group in configurations(members)
     ]

@@ -91,14 +91,14 @@ def _joined(settings: Sequence[Setting]) -> Setting:
 
 
 @dataclass(frozen=True)
-class Chosen(Generic[Key]):
+class SelectedRuns(Generic[Key]):
     """One configuration's runs (its seeds) for each cell, and the runs that match but differ in an unnamed setting."""
 
     cells: dict[Key, list[Run]]
     left_out: list[Run]
 
 
-def choose_runs(runs: Sequence[Run], selections: Mapping[Key, Selection]) -> Chosen[Key]:
+def choose_runs(runs: Sequence[Run], selections: Mapping[Key, Selection]) -> SelectedRuns[Key]:
     """Return the runs of one configuration for every cell; configurations of a model agree in all that no cell selects.
 
     The configuration that fills most cells leads; a cell takes another one only if it contradicts the leader in no
@@ -119,9 +119,9 @@ def choose_runs(runs: Sequence[Run], selections: Mapping[Key, Selection]) -> Cho
         fitting = [run for run in members if _agree(settings(run, swept), leaders[run.model])]
         groups = configurations(fitting)
         lead = [group for group in groups if settings(group[0], swept) == leaders[group[0].model]]
-        cells[key] = one_per_seed((lead or groups)[0]) if groups else []
+        cells[key] = newest_per_seed((lead or groups)[0]) if groups else []
         left_out.update({run.id: run for run in members if run not in cells[key]})
-    return Chosen(cells, list(left_out.values()))
+    return SelectedRuns(cells, list(left_out.values()))
 
 
 def configurations(runs: Iterable[Run], without: Iterable[str] = ()) -> list[list[Run]]:
@@ -164,7 +164,7 @@ def _is_number(text: str) -> bool:
         return False
 
 
-def one_per_seed(runs: Sequence[Run]) -> list[Run]:
+def newest_per_seed(runs: Sequence[Run]) -> list[Run]:
     """Return the newest run of each seed, by seed."""
     by_seed = {run.seed: run for run in sorted(runs, key=lambda run: (run.ended, run.id))}
     return [by_seed[seed] for seed in sorted(by_seed, key=lambda seed: (len(seed), seed))]

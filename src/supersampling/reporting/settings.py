@@ -61,7 +61,8 @@ def is_trained(run: Run) -> bool:
 
 @cache
 def budget_family(budget: str) -> str:
-    """Return the budget that a budget counts as in comparisons: itself, unless ``reports/budgets.yaml`` names another."""
+    """Return the budget that a budget counts as in comparisons: itself, unless ``reports/budgets.yaml`` names
+    another."""
     text = (resources() / "reports" / "budgets.yaml").read_text(encoding="utf-8")
     families: dict[str, list[str]] = yaml.safe_load(text)
     return next((family for family, members in families.items() if budget in members), budget)
@@ -70,7 +71,8 @@ def budget_family(budget: str) -> str:
 def choose(runs: Sequence[Run], dataset: str | None, budget: str | None) -> Choice:
     """Return the setting with the most runs, the newest among equals.
 
-    Without ``dataset`` other data sets of the same budget remain available for the rows that the chosen one cannot fill.
+    Without ``dataset`` other data sets of the same budget remain available for the rows that the chosen one cannot
+    fill.
 
     Args:
         dataset: the beginning of a fingerprint; only its runs are considered.

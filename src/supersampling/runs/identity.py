@@ -37,11 +37,11 @@ def identity(
     """
     resolved: Any = OmegaConf.to_container(cfg, resolve=True)
     effects = {Effect.WEIGHTS} if weights_only else {Effect.WEIGHTS, Effect.SCORES}
-    chosen = select(resolved, effects, learned)
+    selected = select(resolved, effects, learned)
     data = dict(fingerprints)
     return Identity(
-        digest({"scheme": SCHEME, "config": described(chosen), "data": data}),
-        digest({"config": with_former_paths(chosen), "data": data}),
+        digest({"scheme": SCHEME, "config": described(selected), "data": data}),
+        digest({"config": with_former_paths(selected), "data": data}),
     )
 
 

@@ -91,7 +91,7 @@ def _selected(config: Mapping[str, Any], prefix: str, effects: set[Effect], lear
         if prefix and key is None:
             yield name, value
         elif key is not None and key.effect in effects and (learned or not key.learned):
-            nested = isinstance(value, Mapping) and any(other.startswith(f"{name}.") for other in KEYS)
+            nested = isinstance(value, Mapping) and any(known.startswith(f"{name}.") for known in KEYS)
             yield name, dict(_selected(value, f"{name}.", effects, learned)) if nested else value
 
 

@@ -19,7 +19,8 @@ from supersampling.resources import resources
 
 TARGET, OPTION = "_target_", "option"
 FORMER: dict[str, str] = {}
-"""Former class paths, as the first scheme's runs and checkpoints hold them, to today's. A class that moves adds a line."""
+"""Former class paths, as the first scheme's runs and checkpoints hold them, to today's. A class that moves adds a
+line."""
 
 
 class Options:
@@ -83,7 +84,8 @@ def described(config: Any) -> Any:
 
 
 def restored(config: Any, source: str) -> Any:
-    """Return a model's configuration as `described` read it, for Hydra to instantiate: only options of ``conf/model`` come out.
+    """Return a model's configuration as `described` read it, for Hydra to instantiate: only options of ``conf/model``
+    come out.
 
     Args:
         source: where the configuration was read, for messages.
@@ -113,7 +115,8 @@ def _class_path(config: Mapping[Any, Any], source: str) -> str:
     path = options().target(option)
     if path is None or not option.startswith(("model=", "model/")):
         raise UserError(
-            f"{source} names {name}, which is neither a model nor a stage of conf/model, so it was not loaded: use the version "
+            f"{source} names {name}, which is neither a model nor a stage of conf/model, so it was not loaded: use the "
+            "version "
             "that wrote it or, if you trust the file, set model=... as it was trained."
         )
     return path

@@ -50,29 +50,28 @@ class Estimate:
 
 
 def bootstrap_mean(values: ArrayLike, scenes: ArrayLike | None = None) -> Estimate:
-    """Mean of ``values (seeds, clips)`` or ``(clips,)`` with its interval; every clip and every seed weighs the same.
+    """Return the mean of ``values (seeds, clips)`` or ``(clips,)`` with its interval; clips and seeds have equal weight.
 
     ``scenes (clips,)`` names each clip's scene; without it the clips are of one scene. One clip has no interval, nor
     have values of which one is infinite (the PSNR of two equal images). Resampling is seeded: the same values give
     the same interval.
     """
-    ours = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    return _estimate([ours], scenes)
+    return _estimate([np.atleast_2d(np.asarray(values, dtype=np.float64))], scenes)
 
 
-def paired_difference(ours: ArrayLike, theirs: ArrayLike, scenes: ArrayLike | None = None) -> Estimate:
-    """Mean of ``ours - theirs``, ``(seeds, clips)`` or ``(clips,)`` over the same clips in the same order.
+def paired_difference(first: ArrayLike, second: ArrayLike, scenes: ArrayLike | None = None) -> Estimate:
+    """Return the mean of ``first - second``, ``(seeds, clips)`` or ``(clips,)`` over the same clips in the same order.
 
     The numbers of seeds may differ. See `bootstrap_mean` for the rest.
     """
-    one, other = (np.atleast_2d(np.asarray(values, dtype=np.float64)) for values in (ours, theirs))
-    if one.shape[1:] != other.shape[1:]:
-        raise ValueError(f"a paired difference needs the same clips, got shapes {one.shape[1:]} and {other.shape[1:]}")
-    return _estimate([one, -other], scenes)
+    a, b = (np.atleast_2d(np.asarray(values, dtype=np.float64)) for values in (first, second))
+    if a.shape[1:] != b.shape[1:]:
+        raise ValueError(f"paired differences need the same clips, got shapes {a.shape[1:]} and {b.shape[1:]}")
+    return _estimate([a, -b], scenes)
 
 
 def _estimate(parts: list[Array], scenes: ArrayLike | None) -> Estimate:
-    """The mean of a sum of ``parts``, each ``(seeds, clips)``, whose seeds are independent of each other's."""
+    """Return the mean of a sum of ``parts``, each ``(seeds, clips)``, whose seeds are independent of each other's."""
     clips = parts[0].shape[1]
     if any(part.ndim != 2 or part.size == 0 for part in parts):
         raise ValueError(f"values must hold a seed and a clip, got shapes {[part.shape for part in parts]}")

@@ -164,7 +164,8 @@ class Store:
             self.problems[run_id] = f"{known}; {problem}" if known else problem
 
     def logged(self, experiment_id: str, kind: Kind, name: str) -> list[tuple[Run, pd.DataFrame]]:
-        """Return a table that runs logged by MLflow's ``log_table``, for each finished run of that kind, oldest first."""
+        """Return a table that runs logged by MLflow's ``log_table``, for each finished run of that kind, oldest
+        first."""
         runs = sorted(self._jobs(experiment_id, [kind])[0], key=lambda run: (run.ended, run.id))
         files, tables = self._download(runs, name), []
         for run in [run for run in runs if run.id in files]:

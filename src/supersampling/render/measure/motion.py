@@ -188,8 +188,8 @@ def _slope(values: Matrix) -> Matrix:
 def agreement(mask: Mask, truth: Mask, judged: Mask) -> NDArray[np.int64]:
     """Return counts ``(4,)`` among the ``judged``: right and all pixels of the mask, found and all of the truth."""
     mask, truth = mask & judged, truth & judged
-    both = (mask & truth).sum()
-    return np.array([both, mask.sum(), both, truth.sum()])
+    correct = (mask & truth).sum()
+    return np.array([correct, mask.sum(), correct, truth.sum()])
 
 
 def near_agreement(mask: Mask, truth: Mask, nearly: Mask, surely: Mask, judged: Mask) -> NDArray[np.int64]:
@@ -201,5 +201,5 @@ def near_agreement(mask: Mask, truth: Mask, nearly: Mask, surely: Mask, judged: 
     block = np.ones((3, 3), dtype=bool)
     right = mask & judged & (nearly | binary_dilation(truth, block))
     sought = truth & surely & judged
-    found = sought & binary_dilation(mask, block)
-    return np.array([right.sum(), (mask & judged).sum(), found.sum(), sought.sum()])
+    matched = sought & binary_dilation(mask, block)
+    return np.array([right.sum(), (mask & judged).sum(), matched.sum(), sought.sum()])

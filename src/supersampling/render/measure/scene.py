@@ -69,9 +69,9 @@ def disocclusions(probe: Probe, shots: list[Shot]) -> Measures:
         for name, counts in agreements(frame).items():
             totals[name] = totals.get(name, np.zeros(4, np.int64)) + counts
     out: Measures = {"disoccluded_pixels": float(np.mean([f.hidden.mean() for f in frames]))}
-    for name, (right, marked, found, true) in totals.items():
+    for name, (right, marked, matched, true) in totals.items():
         out[f"dual_precision{name}"] = _share(right, marked) if marked >= FEWEST else None
-        out[f"dual_recall{name}"] = _share(found, true) if true >= FEWEST else None
+        out[f"dual_recall{name}"] = _share(matched, true) if true >= FEWEST else None
     return out
 
 

@@ -45,7 +45,7 @@ def claim_cells(judged: Sequence[Judged]) -> list[Cell]:
     return [
         (f"Claim {item.claim.id} · {label}", runs)
         for item in judged
-        for label, runs in item.chosen.runs.items()
+        for label, runs in item.selected.runs.items()
         if runs
     ]
 

@@ -117,7 +117,7 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
     """Return one row per claim, with the runs behind it."""
     table: list[dict[str, object]] = []
     for item in judged:
-        claim, effect, sides = item.claim, item.effect, item.chosen
+        claim, effect, sides = item.claim, item.effect, item.selected
         table.append(
             {
                 "claim": claim.id,
@@ -201,8 +201,8 @@ def _remarks(item: Judged) -> list[str]:
 
 
 def _runs(item: Judged, keys: Mapping[str, str]) -> str:
-    labels = list(item.chosen.runs) if item.claim.stepwise else ["a", "b"]
-    names = {label: [keys[run.id] for run in item.chosen.runs[label]] for label in labels}
+    labels = list(item.selected.runs) if item.claim.stepwise else ["a", "b"]
+    names = {label: [keys[run.id] for run in item.selected.runs[label]] for label in labels}
     return "; ".join(f"{label}: {' '.join(members)}" for label, members in names.items() if members)
 
 

@@ -1,6 +1,6 @@
 """The material of reports: the runs that each paper's cells, claims and figures take, and these runs' scores.
 
-Runs are chosen by their parameters, so that scores are downloaded for the chosen ones only, once for all papers.
+Runs are selected by their parameters, so that scores are downloaded for the selected ones only, once for all papers.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -27,7 +27,7 @@ class PaperRuns:
 
     paper: Paper
     tables: list[tables.TableRuns]
-    claims: list[claims.Chosen]
+    claims: list[claims.ClaimRuns]
     figures: list[figures.FigureRuns]
 
     @classmethod
@@ -51,7 +51,7 @@ class Material:
     """Everything that was read.
 
     Attributes:
-        methods: of the chosen setting; if they are too many for a table, the leading configuration of each model.
+        methods: of the selected setting; if they are too many for a table, the leading configuration of each model.
         configurations: how many there are in all.
         clips, frames: tables of scores by run id.
     """
@@ -76,7 +76,8 @@ class Material:
         return {item.paper.paper: [claims.judge(claim, self.clips) for claim in item.claims] for item in self.papers}
 
     def pictures(self, name: str) -> Mapping[str, Path]:
-        """Return the artifact folder ``name`` of the leading methods' runs by run id, downloaded once for all reports."""
+        """Return the artifact folder ``name`` of the leading methods' runs by run id, downloaded once for all
+        reports."""
         if name not in self._pictures:
             runs = [run for method in self.leading for run in method.runs]
             self._pictures[name] = self.store.folders(runs, name)
@@ -91,12 +92,12 @@ def gather(
     All ``known`` papers decide which configuration leads its model, so that a paper's report does not depend on the
     number of papers that are reported.
     """
-    chosen = [PaperRuns.of(paper, choice) for paper in papers]
+    selected = [PaperRuns.of(paper, choice) for paper in papers]
     configurations = list_methods(choice.pools[choice.setting], known)
     leading = [method for method in configurations if method.leading]
     methods = configurations if len(configurations) <= MAX_METHODS else leading
-    over_frames = [run for item in chosen for figure in item.figures if figure.over_frames for run in figure.runs]
-    used = unique([run for method in methods for run in method.runs] + [run for item in chosen for run in item.runs])
+    over_frames = [run for item in selected for figure in item.figures if figure.over_frames for run in figure.runs]
+    used = unique([run for method in methods for run in method.runs] + [run for item in selected for run in item.runs])
     clips = {run: indexed(table) for run, table in store.tables(used, "clips").items()}
     for run_id, reason in gaps(used, clips).items():
         store.note(run_id, reason)
@@ -104,7 +105,7 @@ def gather(
         store=store,
         experiment=experiment,
         choice=choice,
-        papers=chosen,
+        papers=selected,
         methods=methods,
         configurations=len(configurations),
         clips=clips,

@@ -76,7 +76,8 @@ class Report:
 
     @cached_property
     def pictured(self) -> list[Method]:
-        """The leading methods, as many as fit a page's width: those of the paper's models first, then the better ones."""
+        """The leading methods, as many as fit a page's width: those of the paper's models first, then the better
+        ones."""
         models = {run.model for run in self.subject.runs} if self.subject is not None else set()
 
         def rank(method: Method) -> tuple[bool, float]:

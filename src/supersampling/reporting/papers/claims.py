@@ -18,7 +18,7 @@ VERDICTS: tuple[Verdict, ...] = ("reproduced", "contradicted", "unresolved", "no
 
 
 @dataclass(frozen=True)
-class Chosen:
+class ClaimRuns:
     """A claim's runs by side (``a``, ``b``) or step; an empty list if nothing was run."""
 
     claim: Claim
@@ -49,7 +49,7 @@ class Judged:
         reason: why it is unresolved or not run.
     """
 
-    chosen: Chosen
+    selected: ClaimRuns
     verdict: Verdict
     effect: Estimate | None = None
     steps: list[Step] = field(default_factory=list)
@@ -58,7 +58,7 @@ class Judged:
 
     @property
     def claim(self) -> Claim:
-        return self.chosen.claim
+        return self.selected.claim
 
     @property
     def holds(self) -> str:
@@ -72,53 +72,54 @@ class Judged:
         return count + (f"; not on {', '.join(against)}" if against else "")
 
 
-def choose_claim(claim: Claim, choice: Choice) -> Chosen:
+def choose_claim(claim: Claim, choice: Choice) -> ClaimRuns:
     """Return the runs that a claim compares: of one setting, agreeing in all that the claim does not name.
 
     Of several settings the first that has most of them.
     """
     selections = claim.selections
-    best = Chosen(claim, None, {label: [] for label in selections})
+    best = ClaimRuns(claim, None, {label: [] for label in selections})
     for setting, pool in pools_for(choice, selections.values(), {}):
         cells = choose_runs(pool, selections).cells
         if sum(map(bool, cells.values())) > sum(map(bool, best.runs.values())):
-            best = Chosen(claim, setting, {label: cells[label] for label in selections})
+            best = ClaimRuns(claim, setting, {label: cells[label] for label in selections})
         if not best.missing:
             break
     return best
 
 
-def judge(chosen: Chosen, tables: ClipTables) -> Judged:
+def judge(selected: ClaimRuns, tables: ClipTables) -> Judged:
     """Return a claim's verdict.
 
     *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin),
     *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is
     reproduced if every step is, and contradicted if any is.
     """
-    claim, labels = chosen.claim, list(chosen.runs)
+    claim, labels = selected.claim, list(selected.runs)
     pairs = list(pairwise(labels))
     steps = []
     for earlier, later in pairs:
-        value = _difference(chosen.runs[later], chosen.runs[earlier], claim, tables, claim.times)
+        value = _difference(selected.runs[later], selected.runs[earlier], claim, tables, claim.times)
         steps.append(Step(f"{earlier} → {later}", value, side(claim, value)))
-    effect = _difference(chosen.runs[labels[-1]], chosen.runs[labels[0]], claim, tables)
+    effect = _difference(selected.runs[labels[-1]], selected.runs[labels[0]], claim, tables)
     verdict = _together([step.verdict for step in steps])
-    reason = _reason(chosen, steps, verdict)
-    if any(_same_runs(chosen.runs[earlier], chosen.runs[later]) for earlier, later in pairs):
+    reason = _reason(selected, steps, verdict)
+    if any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs):
         verdict = "unresolved"
         reason = "both sides are the same runs: what the claim names is not in their parameters"
     return Judged(
-        chosen=chosen,
+        selected=selected,
         verdict=verdict,
         effect=effect,
         steps=steps if claim.stepwise else [],
-        scenes=_scenes(chosen, tables) if not chosen.missing else {},
+        scenes=_scenes(selected, tables) if not selected.missing else {},
         reason=reason,
     )
 
 
 def side(claim: Claim, value: Estimate | None) -> Verdict:
-    """Return on which side of the claim the interval of a difference lies; a logged number counts as its own interval."""
+    """Return on which side of the claim the interval of a difference lies; a logged number counts as its own
+    interval."""
     if value is None:
         return "not run"
     exact = claim.metric.startswith(RUN_METRIC)
@@ -156,13 +157,14 @@ def _difference(
     return Estimate(times * first.mean - second.mean, math.nan, math.nan, 0)
 
 
-def _scenes(chosen: Chosen, tables: ClipTables) -> dict[str, bool]:
-    """Return for each scene whether its mean differences have the claimed sign (kind ``same``: lie within the margin)."""
-    claim, labels = chosen.claim, list(chosen.runs)
+def _scenes(selected: ClaimRuns, tables: ClipTables) -> dict[str, bool]:
+    """Return for each scene whether its mean differences have the claimed sign (kind ``same``: lie within the
+    margin)."""
+    claim, labels = selected.claim, list(selected.runs)
     if claim.metric.startswith(RUN_METRIC):
         return {}
     means = [
-        scene_differences(chosen.runs[later], chosen.runs[earlier], claim.metric, tables)
+        scene_differences(selected.runs[later], selected.runs[earlier], claim.metric, tables)
         for earlier, later in pairwise(labels)
     ]
     common = sorted(set.intersection(*map(set, means)))
@@ -179,12 +181,12 @@ def _same_runs(first: Sequence[Run], second: Sequence[Run]) -> bool:
     return bool(first) and {run.id for run in first} == {run.id for run in second}
 
 
-def _reason(chosen: Chosen, steps: Sequence[Step], verdict: Verdict) -> str:
+def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str:
     """Return why there is no clear verdict; for a contradiction by steps, at which ones."""
-    claim = chosen.claim
+    claim = selected.claim
     if verdict == "not run":
-        if chosen.missing:
-            return _missing(chosen)
+        if selected.missing:
+            return _missing(selected)
         return f"the runs are there, but not all logged {claim.metric.removeprefix(RUN_METRIC)}"
     labels = [step.label for step in steps if step.verdict == verdict] if claim.stepwise else []
     place = f"at {', '.join(labels)}" if labels and verdict != "reproduced" else ""
@@ -200,12 +202,12 @@ def _reason(chosen: Chosen, steps: Sequence[Step], verdict: Verdict) -> str:
     return f"{reason} {place}".strip()
 
 
-def _missing(chosen: Chosen) -> str:
+def _missing(selected: ClaimRuns) -> str:
     """Return which runs are missing: by their own selection, and by the common one as well if no run exists."""
-    claim = chosen.claim
+    claim = selected.claim
     steps = {step.label: step.select for step in claim.steps}
     selections = steps if claim.stepwise else {"a": claim.a or {}, "b": claim.b or {}}
-    missing = [text(selection) for label, selection in selections.items() if label in chosen.missing]
+    missing = [text(selection) for label, selection in selections.items() if label in selected.missing]
     base = f" of {text(claim.base)}" if len(missing) == len(selections) and claim.base else ""
     return f"no run{base} with {', nor with '.join(missing)}"
 

@@ -54,7 +54,7 @@ class Filled:
 
 def choose_table(table: PublishedTable, choice: Choice) -> TableRuns:
     """Return our runs for each cell; cells that are compared (along a row or a column) share one setting."""
-    chosen = TableRuns(table, {}, {}, [])
+    selected = TableRuns(table, {}, {}, [])
     for group in _groups(table):
         selections = _selections(table, group)
         pools = pools_for(choice, selections.values(), table.prefer or {})
@@ -62,17 +62,17 @@ def choose_table(table: PublishedTable, choice: Choice) -> TableRuns:
             continue
         setting, runs = pools[0]
         matches = choose_runs(runs, selections)
-        chosen.settings.update(dict.fromkeys(group, setting))
-        chosen.cells.update({place: members for place, members in matches.cells.items() if members})
-        chosen.left_out.extend(matches.left_out)
-    return chosen
+        selected.settings.update(dict.fromkeys(group, setting))
+        selected.cells.update({place: members for place, members in matches.cells.items() if members})
+        selected.left_out.extend(matches.left_out)
+    return selected
 
 
-def fill(chosen: TableRuns, paper: Paper, tables: ClipTables) -> Filled:
-    """Return the table with the chosen runs' values, in the table's unit."""
-    table = chosen.table
+def fill(selected: TableRuns, paper: Paper, tables: ClipTables) -> Filled:
+    """Return the table with the selected runs' values, in the table's unit."""
+    table = selected.table
     values: dict[tuple[int, int, str], Estimate] = {}
-    for (row, column), runs in chosen.cells.items():
+    for (row, column), runs in selected.cells.items():
         for name in table.columns[column].metrics:
             metric = paper.metrics[name]
             if metric.ours is None:
@@ -83,16 +83,16 @@ def fill(chosen: TableRuns, paper: Paper, tables: ClipTables) -> Filled:
     gaps: dict[str, Estimate] = {}
     if any(paper.metrics[name].ours == "psnr" for column in table.columns for name in column.metrics):
         for group in _groups(table):
-            cells = [runs for (row, _), runs in chosen.cells.items() if row in group]
+            cells = [runs for (row, _), runs in selected.cells.items() if row in group]
             gap = _gap(cells, tables)
             if gap is not None:
                 gaps["/".join(table.rows[group[0]].labels) if table.compare == "row" else "PSNR"] = gap
     return Filled(
         table=table,
-        settings=chosen.settings,
-        runs=chosen.cells,
+        settings=selected.settings,
+        runs=selected.cells,
         values=values,
-        left_out=chosen.left_out,
+        left_out=selected.left_out,
         gaps=gaps,
     )
 

@@ -101,7 +101,8 @@ def architectures(runs: Iterable[Run], store: Store) -> Architectures:
         config: Any = OmegaConf.to_container(OmegaConf.load(path), resolve=True)
         model, scale = config["model"], int(config["task"]["scale"])
         by_run[run] = architecture(model, scale)
-        with suppress(UserError):  # a model that this version does not have
+        # A class that conf/model lacks has no former name, and must not end the report.
+        with suppress(UserError):
             former[former_architecture(restored(model, f"Run {run}"), scale)] = by_run[run]
     return Architectures(by_run, former)
 

@@ -1,4 +1,5 @@
-"""The choice of a method: the best within a time, or the fastest within a loss of quality, as far as the data can tell."""
+"""The choice of a method: the best within a time, or the fastest within a loss of quality, as far as the data can
+tell."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -43,7 +44,7 @@ class Rendering:
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """The chosen candidate, and what the data say of it.
+    """The selected candidate, and what the data say of it.
 
     Attributes:
         against: the candidate that it is compared with: the next best, or the best.
@@ -52,7 +53,7 @@ class Answer:
         undecided: how many candidates have no interval.
     """
 
-    chosen: Candidate
+    selected: Candidate
     against: Candidate | None
     lead: Estimate | None
     tied: tuple[Candidate, ...] = ()
@@ -84,7 +85,7 @@ def within_ms(candidates: Sequence[Candidate], ms: float, rendering: Rendering, 
     gaps = {id(c): gap_of(best, c) for c in rest}
     second = rest[0] if rest else None
     return Answer(
-        chosen=best,
+        selected=best,
         against=second,
         lead=gaps[id(second)] if second is not None else None,
         tied=tuple(sorted((c for c in rest if _is_tied(gaps[id(c)])), key=upper)),
@@ -96,8 +97,8 @@ def within_ms(candidates: Sequence[Candidate], ms: float, rendering: Rendering, 
 def within_db(candidates: Sequence[Candidate], db: float, rendering: Rendering, gap_of: Gap) -> Answer:
     """Return the fastest of the candidates whose loss against the best is at most ``db``.
 
-    The loss counts at the far end of its paired interval. That is non-inferiority: a mean within ``db`` is not enough, and a
-    candidate without an interval is not chosen.
+    The loss counts at the far end of its paired interval. That is non-inferiority: a mean within ``db`` is not enough,
+    and a candidate without an interval is not selected.
 
     Raises:
         UserError: ``db`` is negative or not a number, or there are no candidates.
@@ -108,11 +109,11 @@ def within_db(candidates: Sequence[Candidate], db: float, rendering: Rendering, 
     best, *rest = sorted(distinct(candidates), key=lambda c: (-c.quality.mean, upper(c)))
     gaps = {id(c): gap_of(c, best) for c in rest}
     near = [best, *(c for c in rest if _is_near(gaps[id(c)], db))]
-    chosen = min(near, key=lambda c: (upper(c), -c.quality.mean))
+    selected = min(near, key=lambda c: (upper(c), -c.quality.mean))
     return Answer(
-        chosen=chosen,
-        against=None if chosen is best else best,
-        lead=gaps.get(id(chosen)),
+        selected=selected,
+        against=None if selected is best else best,
+        lead=gaps.get(id(selected)),
         undecided=sum(_is_undecided(value) for value in gaps.values()),
         rendering=rendering,
     )
@@ -137,9 +138,9 @@ def describe(candidate: Candidate) -> str:
 
 def sentences(answer: Answer, ms: float | None = None, db: float | None = None) -> list[str]:
     """Return the answer in words."""
-    chosen = answer.chosen
+    selected = answer.selected
     question = f"best within {short(ms)} ms" if ms is not None else f"fastest within {short(db or 0.0)} dB of the best"
-    lines = [f"{question}: {describe(chosen)}, PSNR {plus_minus(chosen.quality, 2)}."]
+    lines = [f"{question}: {describe(selected)}, PSNR {plus_minus(selected.quality, 2)}."]
     if db is not None and answer.against is None:
         lines.append("It is the best there is: nothing faster is surely within that loss.")
     elif db is not None and answer.against is not None:
@@ -148,7 +149,7 @@ def sentences(answer: Answer, ms: float | None = None, db: float | None = None) 
         lines.append(f"Ahead of the next, {describe(answer.against)}: {_interval(answer.lead)}.")
     if answer.tied:
         names = "; ".join(describe(c) for c in answer.tied)
-        fastest = min((chosen, *answer.tied), key=upper)
+        fastest = min((selected, *answer.tied), key=upper)
         lines.append(f"The data cannot tell it from {names}. The fastest of these is {describe(fastest)}.")
     if answer.undecided:
         lines.append(f"{answer.undecided} others have no interval: score them on more than one clip.")
@@ -159,8 +160,8 @@ def _rendering_sentences(answer: Answer) -> list[str]:
     rendering = answer.rendering
     if not rendering.low_ms:
         return []
-    total = rendering.total(answer.chosen)
-    sums = f"{short(rendering.low_ms)} + {short(upper(answer.chosen))} = {short(total)} ms"
+    total = rendering.total(answer.selected)
+    sums = f"{short(rendering.low_ms)} + {short(upper(answer.selected))} = {short(total)} ms"
     if rendering.high_ms is None:
         return [f"Rendering low and upscaling: {sums} a frame."]
     high = rendering.high_ms

@@ -43,13 +43,13 @@ def test_seeds_of_both_methods_widen_the_interval():
     rng = np.random.default_rng(5)
     clips = rng.normal(0.5, 0.3, 36)
     spread = np.array([[-0.3], [0.0], [0.3]])
-    alone = paired_difference(clips, np.zeros(36), NINE)
-    ours = paired_difference(clips + spread, np.zeros(36), NINE)
+    single = paired_difference(clips, np.zeros(36), NINE)
+    first = paired_difference(clips + spread, np.zeros(36), NINE)
     both = paired_difference(clips + spread, 0 * clips + spread, NINE)
-    assert alone.half_width < 0.7 * ours.half_width
-    assert both.mean == pytest.approx(alone.mean)
+    assert single.half_width < 0.7 * first.half_width
+    assert both.mean == pytest.approx(single.mean)
     # The same three numbers as seeds of both methods do not cancel.
-    assert both.half_width > alone.half_width + 0.1
+    assert both.half_width > single.half_width + 0.1
 
 
 def test_scenes_that_differ_widen_the_interval_of_their_clips():
@@ -107,7 +107,7 @@ def test_one_clip_and_infinite_values_have_no_interval(values):
         assert not estimate.resolved
 
 
-def test_what_does_not_fit_together_is_refused():
+def test_mismatched_arguments_raise():
     with pytest.raises(ValueError, match=r"\(3,\) and \(2,\)"):
         paired_difference(np.zeros(3), np.zeros(2))
     with pytest.raises(ValueError, match="each of the 3 clips"):

@@ -50,12 +50,12 @@ TABLE = [
 )
 def test_the_best_within_a_time(ms, half, best, tied):
     answer = within_ms(TABLE, ms, ALONE, gaps(half))
-    assert answer.chosen.label == best
+    assert answer.selected.label == best
     assert [c.label for c in answer.tied] == tied
 
 
 @pytest.mark.parametrize(
-    ("db", "half", "chosen"),
+    ("db", "half", "selected"),
     [
         (0.0, 0.0, "slow"),
         (0.5, 0.1, "slow"),
@@ -67,29 +67,29 @@ def test_the_best_within_a_time(ms, half, best, tied):
         (99.0, 0.1, "plain"),
     ],
 )
-def test_the_fastest_within_a_loss_is_decided_by_the_intervals_end(db, half, chosen):
-    assert within_db(TABLE, db, ALONE, gaps(half)).chosen.label == chosen
+def test_the_fastest_within_a_loss_is_decided_by_the_intervals_end(db, half, selected):
+    assert within_db(TABLE, db, ALONE, gaps(half)).selected.label == selected
 
 
-def test_a_budget_is_kept_by_the_upper_quartile():
-    found = [candidate("steady", 28.0, 4.0, high=4.1), candidate("restless", 30.0, 4.0, high=6.0)]
-    assert within_ms(found, 5.0, ALONE, gaps(0.1)).chosen.label == "steady"
+def test_budget_applies_to_the_upper_quartile():
+    candidates = [candidate("steady", 28.0, 4.0, high=4.1), candidate("restless", 30.0, 4.0, high=6.0)]
+    assert within_ms(candidates, 5.0, ALONE, gaps(0.1)).selected.label == "steady"
     assert upper(candidate("one frame", 1.0, 3.0, high=NO)) == 3.0
 
 
 def test_ties_go_to_the_faster():
-    found = [candidate("a", 30.0, 5.0), candidate("b", 30.0, 4.0), candidate("b twin", 30.0, 4.0)]
-    answer = within_ms(found, 9.0, ALONE, gaps(0.1))
-    assert answer.chosen.label == "b"
+    candidates = [candidate("a", 30.0, 5.0), candidate("b", 30.0, 4.0), candidate("b twin", 30.0, 4.0)]
+    answer = within_ms(candidates, 9.0, ALONE, gaps(0.1))
+    assert answer.selected.label == "b"
     assert [c.label for c in answer.tied] == ["b twin", "a"]
-    assert within_db(found, 0.0, ALONE, gaps(0.0)).chosen.label == "b"
+    assert within_db(candidates, 0.0, ALONE, gaps(0.0)).selected.label == "b"
 
 
-def test_of_a_methods_backends_the_fastest_stands_for_it():
-    found = [candidate("m", 30.0, ms, backend=name) for name, ms in (("eager", 9.0), ("openvino", 3.0))]
-    found.append(candidate("m", 29.9, 2.0, backend="openvino", precision="int8"))
-    answer = within_ms(found, 10.0, ALONE, gaps(0.2))
-    assert answer.chosen.how == "openvino float32"
+def test_fastest_backend_represents_a_method():
+    candidates = [candidate("m", 30.0, ms, backend=name) for name, ms in (("eager", 9.0), ("openvino", 3.0))]
+    candidates.append(candidate("m", 29.9, 2.0, backend="openvino", precision="int8"))
+    answer = within_ms(candidates, 10.0, ALONE, gaps(0.2))
+    assert answer.selected.how == "openvino float32"
     assert [c.how for c in answer.tied] == ["openvino int8"]
 
 
@@ -100,59 +100,58 @@ def test_without_an_interval_nothing_is_tied_or_near():
         return Estimate(a.quality.mean - b.quality.mean, NO, NO, 1)
 
     answer = within_ms(TABLE, 10.0, ALONE, unknown)
-    assert (answer.chosen.label, answer.tied, answer.undecided) == ("good", (), 2)
-    assert within_db(TABLE, 5.0, ALONE, unknown).chosen.label == "slow"
+    assert (answer.selected.label, answer.tied, answer.undecided) == ("good", (), 2)
+    assert within_db(TABLE, 5.0, ALONE, unknown).selected.label == "slow"
     assert "no interval" in " ".join(sentences(answer, ms=10.0))
 
 
 def test_real_statistics_of_one_seed_pair_scenes():
-    """Scenes differ by decibels, methods by a tenth: paired, the data can tell, and a seed is enough to say so of its
-    weights."""
+    """Scenes differ by decibels, methods by a tenth: pairing resolves it, and one seed suffices for its own weights."""
     names = {"a": (30.0, 1, 0.02), "b": (29.9, 2, 0.02), "c": (29.99, 3, 0.05)}
     clips = {f"{name}-0": clip_scores(*how) for name, how in names.items()}
     timings = [timing(ms, name) for name, ms in zip(names, (9.0, 5.0, 2.0))]
-    found = list_candidates(
+    candidates = list_candidates(
         [Method(name, [run(name)], True) for name in names], timings, {f"{n}-0": n for n in names}, clips, {}
     )
-    answer = within_ms(found, 10.0, ALONE, paired(clips))
-    assert answer.chosen.label == "a"
+    answer = within_ms(candidates, 10.0, ALONE, paired(clips))
+    assert answer.selected.label == "a"
     assert [c.label for c in answer.tied] == ["c"]
-    assert within_db(found, 0.2, ALONE, paired(clips)).chosen.label == "c"
-    assert within_db(found, 0.001, ALONE, paired(clips)).chosen.label == "a"
-    said = " ".join(sentences(answer, ms=10.0))
-    assert "cannot tell it from c" in said
-    assert "The fastest of these is c" in said
+    assert within_db(candidates, 0.2, ALONE, paired(clips)).selected.label == "c"
+    assert within_db(candidates, 0.001, ALONE, paired(clips)).selected.label == "a"
+    printed = " ".join(sentences(answer, ms=10.0))
+    assert "cannot tell it from c" in printed
+    assert "The fastest of these is c" in printed
 
 
 @pytest.mark.parametrize("ms", [0, 0.0, -1.0, NO, math.inf, "soon", True])
-def test_a_time_that_is_none(ms):
+def test_invalid_time(ms):
     with pytest.raises(UserError, match=rf"Invalid ms={ms}: .* fastest here is plain .*1 ms"):
         within_ms(TABLE, ms, ALONE, gaps(0.1))
 
 
 @pytest.mark.parametrize("db", [-0.1, NO, math.inf, "little"])
-def test_a_loss_that_is_none(db):
+def test_invalid_loss(db):
     with pytest.raises(UserError, match=rf"Invalid db={db}: .*plain"):
         within_db(TABLE, db, ALONE, gaps(0.1))
 
 
-def test_a_time_that_nothing_keeps():
+def test_time_below_the_fastest():
     with pytest.raises(UserError, match=r"within ms=0.5: use more; the fastest is plain .*1 ms"):
         within_ms(TABLE, 0.5, ALONE, gaps(0.1))
     with pytest.raises(UserError, match=r"within ms=2: .* with its rendering 4 ms"):
         within_ms(TABLE, 2.0, Rendering(3.0), gaps(0.1))
 
 
-def test_nothing_at_all():
-    for found in ([], TABLE[-2:]):
+def test_without_candidates():
+    for candidates in ([], TABLE[-2:]):
         with pytest.raises(UserError, match="train on this data set"):
-            within_ms(found, 5.0, ALONE, gaps(0.1))
+            within_ms(candidates, 5.0, ALONE, gaps(0.1))
 
 
-def test_rendering_counts_and_says_whether_upscaling_pays():
+def test_rendering_counts_and_the_answer_states_whether_upscaling_pays():
     rendering = Rendering.of(5.0, 12.0)
     answer = within_ms(TABLE, 10.0, rendering, gaps(0.01))
-    assert answer.chosen.label == "close"  # 5 + 8 of the better one are too many
+    assert answer.selected.label == "close"  # 5 + 8 of the better one are too many
     assert "Upscaling pays: 5 + 4 = 9 ms a frame, against 12 ms" in " ".join(sentences(answer, ms=10.0))
     slow = within_ms(TABLE, 30.0, rendering, gaps(0.01))
     assert "does not pay" in " ".join(sentences(slow, ms=30.0))

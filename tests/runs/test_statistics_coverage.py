@@ -1,6 +1,6 @@
 """How often a 95% interval holds the truth, on clips whose true difference is known.
 
-``pytest -m slow -s tests/reporting/test_statistics_coverage.py`` prints it for every design.
+``pytest -m slow -s tests/runs/test_statistics_coverage.py`` prints it for every design.
 """
 
 from collections.abc import Callable
@@ -57,25 +57,25 @@ class Design:
         return methods[0], methods[1], of_scene, truth
 
 
-def ours(one: np.ndarray, other: np.ndarray, of_scene: np.ndarray) -> Ends:
-    found: Estimate = paired_difference(one, other, of_scene)
-    return found.low, found.high
+def paired_ends(first: np.ndarray, second: np.ndarray, of_scene: np.ndarray) -> Ends:
+    estimate: Estimate = paired_difference(first, second, of_scene)
+    return estimate.low, estimate.high
 
 
-def percentiles_over_clips(one: np.ndarray, other: np.ndarray, of_scene: np.ndarray) -> Ends:
-    values = one.mean(axis=0) - other.mean(axis=0)
-    picked = np.random.default_rng(0).integers(0, len(values), (RESAMPLES, len(values)))
-    low, high = np.quantile(values[picked].mean(axis=1), [0.025, 0.975])
+def percentiles_over_clips(first: np.ndarray, second: np.ndarray, of_scene: np.ndarray) -> Ends:
+    values = first.mean(axis=0) - second.mean(axis=0)
+    indices = np.random.default_rng(0).integers(0, len(values), (RESAMPLES, len(values)))
+    low, high = np.quantile(values[indices].mean(axis=1), [0.025, 0.975])
     return float(low), float(high)
 
 
-def hits(design: Design, repetitions: int, interval: Callable[..., Ends] = ours) -> int:
+def hits(design: Design, repetitions: int, interval: Callable[..., Ends] = paired_ends) -> int:
     """In how many of the repetitions the interval holds the truth."""
     rng = np.random.default_rng((design.scenes, design.clips, *design.seeds))
     count = 0
     for _ in range(repetitions):
-        one, other, of_scene, truth = design.draw(rng)
-        low, high = interval(one, other, of_scene)
+        first, second, of_scene, truth = design.draw(rng)
+        low, high = interval(first, second, of_scene)
         count += low <= truth <= high
     return count
 
@@ -103,8 +103,7 @@ def test_percentiles_over_clips_would_not():
         *(Design(4, 12, seeds) for seeds in ((1, 1), (2, 1), (3, 1), (2, 2), (3, 3))),
         Design(9, 36, (3, 1), even=False),
         Design(9, 36, (3, 3), training=0.0),
-        # Here the scatter of trainings outweighs that of scenes; two seeds against one do not suffice then
-        # (docs/compare.md).
+        # Here trainings scatter more than scenes; two seeds against one do not suffice then (docs/compare.md).
         *(Design(9, 36, seeds, training=1.0) for seeds in ((2, 2), (3, 1), (3, 3))),
     ],
     ids=str,

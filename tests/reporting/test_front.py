@@ -1,4 +1,4 @@
-"""The front against all pairs, and what joins a time with a quality."""
+"""The front against all pairs, and the join of times with qualities."""
 
 import itertools
 import math
@@ -24,14 +24,14 @@ def beats(a: Candidate, b: Candidate, sign: float) -> bool:
 
 @given(st.lists(st.tuples(NUMBERS, NUMBERS), max_size=12), st.booleans())
 @settings(max_examples=300, deadline=None)
-def test_the_front_is_what_no_other_beats(points, higher):
-    found = [candidate(str(k), quality, ms) for k, (quality, ms) in enumerate(points)]
+def test_front_is_every_unbeaten_candidate(points, higher):
+    candidates = [candidate(str(k), quality, ms) for k, (quality, ms) in enumerate(points)]
     sign = 1.0 if higher else -1.0
-    there = [c for c in found if not math.isnan(c.ms) and not math.isnan(c.quality.mean)]
-    expected = {c.label for c in there if not any(beats(other, c, sign) for other in there)}
-    kept = front(found, higher)
-    assert {c.label for c in kept} == expected
-    assert [c.ms for c in kept] == sorted(c.ms for c in kept)
+    usable = [c for c in candidates if not math.isnan(c.ms) and not math.isnan(c.quality.mean)]
+    expected = {c.label for c in usable if not any(beats(rival, c, sign) for rival in usable)}
+    best = front(candidates, higher)
+    assert {c.label for c in best} == expected
+    assert [c.ms for c in best] == sorted(c.ms for c in best)
 
 
 def methods():
@@ -64,19 +64,19 @@ def test_times_are_joined_with_the_quality_of_their_architecture():
         timing(4.0, "b", architecture="B"),
         timing(1.0, "other", architecture="X"),
     ]
-    found = list_candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
-    assert [(c.label, c.how, c.ms) for c in found] == [
+    candidates = list_candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
+    assert [(c.label, c.how, c.ms) for c in candidates] == [
         ("a", "eager float32", 3.0),  # the newer of two
         ("a", "openvino float32", 2.0),
         ("a", "openvino int8", 0.5),  # bfloat16 has no measured cost
         ("b", "eager float32", 4.0),
     ]
-    exact, also, coarse, other = found
+    exact, faster, coarse, rival = candidates
     assert exact.quality.mean == pytest.approx(30.1)
-    assert exact.quality == also.quality
+    assert exact.quality == faster.quality
     assert coarse.quality.mean == pytest.approx(29.6)
     assert coarse.quality.half_width == pytest.approx(math.hypot(exact.quality.half_width, 0.1), rel=0.02)
-    assert other.quality.mean == pytest.approx(29.0)
+    assert rival.quality.mean == pytest.approx(29.0)
 
 
 def test_gaps_are_paired_over_clips():
@@ -87,18 +87,18 @@ def test_gaps_are_paired_over_clips():
         timing(0.5, architecture="A", backend="openvino", precision="int8"),
         timing(4.0, architecture="B"),
     ]
-    exact, also, coarse, other = list_candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
+    exact, faster, coarse, rival = list_candidates(methods(), timings, KNOWN, CLIPS, {("A", "openvino", "int8"): loss})
     tables = [CLIPS[name]["psnr"].to_numpy() for name in ("a-0", "a-1")]
     expected = paired_difference(np.stack(tables), CLIPS["b-0"]["psnr"].to_numpy(), CLIPS["b-0"]["scene"])
-    assert gap(exact, other, CLIPS) == expected
+    assert gap(exact, rival, CLIPS) == expected
     assert expected.resolved
     assert expected.half_width < exact.quality.half_width / 3
-    assert gap(exact, also, CLIPS) == Estimate(0.0, 0.0, 0.0, 10, 5)
+    assert gap(exact, faster, CLIPS) == Estimate(0.0, 0.0, 0.0, 10, 5)
     # Of the same weights the precision's cost is all: no difference between seeds or clips comes in.
     assert gap(coarse, exact, CLIPS) == Estimate(-0.5, pytest.approx(-0.7), pytest.approx(-0.4), 10, 5)
     assert gap(exact, coarse, CLIPS) == Estimate(0.5, pytest.approx(0.4), pytest.approx(0.7), 10, 5)
-    assert gap(coarse, other, CLIPS).mean == pytest.approx(expected.mean - 0.5)
-    assert gap(exact, other, {}) is None
+    assert gap(coarse, rival, CLIPS).mean == pytest.approx(expected.mean - 0.5)
+    assert gap(exact, rival, {}) is None
 
 
 def test_independent_errors_add_in_quadrature():
@@ -109,21 +109,21 @@ def test_independent_errors_add_in_quadrature():
         return Estimate(float(values.mean()), *map(float, np.quantile(values, [0.025, 0.975])), 1)
 
     for sign in (1.0, -1.0):
-        ours, truth = plus(interval(a), interval(b), sign), interval(a + sign * b)
-        assert (ours.mean, ours.low, ours.high) == pytest.approx((truth.mean, truth.low, truth.high), abs=0.03)
+        total, truth = plus(interval(a), interval(b), sign), interval(a + sign * b)
+        assert (total.mean, total.low, total.high) == pytest.approx((truth.mean, truth.low, truth.high), abs=0.03)
     assert math.isnan(plus(interval(a), Estimate(1.0, NO, NO, 1)).low)
 
 
-def test_times_of_other_places_are_kept_apart():
+def test_times_of_different_places_stay_separate():
     timings = [
         timing(1.0),
         timing(2.0, backend="compile"),
         timing(3.0, threads=1),
         timing(4.0, width=1280, height=720),
     ]
-    first, *others = places(timings)
+    first, *rest = places(timings)
     assert first == Place.of(timings[0])
-    assert len(others) == 2
+    assert len(rest) == 2
     assert str(first) == "1920x1080 on cpu, 2 threads (a machine)"
-    for a, b in itertools.combinations([first, *others], 2):
+    for a, b in itertools.combinations([first, *rest], 2):
         assert a != b

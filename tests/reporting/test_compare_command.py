@@ -72,8 +72,8 @@ def command(store: tuple[str, dict[str, str]], capsys: pytest.CaptureFixture[str
     def run(*words: str) -> str:
         GlobalHydra.instance().clear()
         with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-            given = [*words, f"tracking_uri={store[0]}"]
-            cfg = compose("compare", given, return_hydra_config=True)
+            overrides = [*words, f"tracking_uri={store[0]}"]
+            cfg = compose("compare", overrides, return_hydra_config=True)
         HydraConfig.instance().set_config(cfg)
         compare(cfg)
         return capsys.readouterr().out
@@ -94,8 +94,8 @@ def test_seeds_are_one_row(command, store):
 
 
 def test_metrics_may_be_one_or_a_list(command):
-    for chosen in ("metric=psnr", "metric=[psnr]"):
-        printed = command("a=dlctus", "b=tus", chosen)
+    for setting in ("metric=psnr", "metric=[psnr]"):
+        printed = command("a=dlctus", "b=tus", setting)
         assert "noise" not in printed
         assert "of many metrics" not in printed
 
@@ -125,13 +125,13 @@ def test_so_do_those_of_fingerprints(command):
         command("a=dlctus", "b=tus", "dataset=5e12")
 
 
-def test_a_number_from_elsewhere_is_told():
+def test_number_from_elsewhere_raises():
     assert as_typed(OmegaConf.create({"a": "3e7"}), "a") == "3e7"
     assert as_typed(OmegaConf.create({"a": None}), "a") is None
     with pytest.raises(UserError, match="a=30000000.0 was read as a number"):
         as_typed(OmegaConf.create({"a": 3e7}), "a")
 
 
-def test_both_must_be_given(command):
+def test_both_sides_are_required(command):
     with pytest.raises(UserError, match="Missing b: use compare.py a=RUN_OR_METHOD b=RUN_OR_METHOD"):
         command("a=dlctus")

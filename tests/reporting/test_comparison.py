@@ -1,4 +1,4 @@
-"""Which runs a name finds, what is compared, and when a winner may be named."""
+"""The runs that a name selects, their comparison, and the conditions for a verdict."""
 
 import math
 from dataclasses import replace
@@ -17,9 +17,9 @@ from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Run
 
 
-def run(name: str, *given: Any, method: str = "", **params: Any) -> Run:
-    """Called as its model."""
-    return example_run(name, *given, method=method or params.get("model", "dlctus"), **params)
+def run(name: str, *args: Any, method: str = "", **params: Any) -> Run:
+    """Return an example run whose method is called like its model."""
+    return example_run(name, *args, method=method or params.get("model", "dlctus"), **params)
 
 
 def names(groups: list[Group]) -> list[list[str]]:
@@ -32,7 +32,7 @@ def test_runs_that_differ_in_seed_alone_are_one_group():
 
 
 @pytest.mark.parametrize(
-    "other",
+    "change",
     [
         {"augment": "none"},
         {"pick": "uniform"},
@@ -47,24 +47,16 @@ def test_runs_that_differ_in_seed_alone_are_one_group():
         {"data__train__clips": 9},
         {"dataset": "bbbb"},
     ],
-)
-def test_any_other_difference_separates_them(other):
-    given = {
-        "augment": "full",
-        "pick": "edges",
-        "loss": "l1",
-        "optimizer__lr": 2,
-        "budget": "laptop",
-        "budget__steps": 8,
-        "model__dilate": "none",
-        "task__jitter": "thesis",
-        "trainer__precision": "32",
-        "data__train__clips": 8,
-    }
-    assert len(seed_groups([run("a", **given, seed=0), run("b", **{**given, **other}, seed=1)])) == 2
+)  # fmt: skip
+def test_any_difference_but_the_seed_separates_groups(change):
+    args = {
+        "augment": "full", "pick": "edges", "loss": "l1", "optimizer__lr": 2, "budget": "laptop", "budget__steps": 8,
+        "model__dilate": "none", "task__jitter": "thesis", "trainer__precision": "32", "data__train__clips": 8,
+    }  # fmt: skip
+    assert len(seed_groups([run("a", **args, seed=0), run("b", **{**args, **change}, seed=1)])) == 2
 
 
-def test_what_cannot_change_a_result_does_not_separate_them():
+def test_settings_without_influence_on_results_do_not_separate_groups():
     runs = [run("a", seed=0, data__workers=1, trainer__accelerator="cpu"), run("b", seed=1, data__workers=4)]
     assert names(seed_groups(runs)) == [["a", "b"]]
 
@@ -87,7 +79,7 @@ def test_a_name_finds_its_groups():
 
 
 @pytest.mark.parametrize(
-    ("wanted", "told"),
+    ("name", "message"),
     [
         ("nothing", "choose one of dlctus, tus"),
         ("d", "ids of several runs begin with a=d"),
@@ -95,9 +87,9 @@ def test_a_name_finds_its_groups():
         ("tus rectify=x", "No finished run or method is called a=tus rectify=x"),
     ],
 )
-def test_a_name_that_finds_nothing_is_told(wanted, told):
-    with pytest.raises(UserError, match=told):
-        find_groups(RUNS, "a", wanted)
+def test_name_without_a_match(name, message):
+    with pytest.raises(UserError, match=message):
+        find_groups(RUNS, "a", name)
 
 
 def test_an_evaluation_is_found_by_its_id_alone():
@@ -156,8 +148,8 @@ A, B = Group(find_groups(RUNS, "a", "d0")[0].setting, RUNS[:2]), find_groups(RUN
 
 
 def test_each_metric_has_its_verdict():
-    found = {item.metric: item for item in compare(A, B, tables())}
-    assert {name: item.verdict for name, item in found.items()} == {
+    scores = {item.metric: item for item in compare(A, B, tables())}
+    assert {name: item.verdict for name, item in scores.items()} == {
         "psnr": "dlctus is better",
         "temporal": "dlctus is better",
         "ssim": "equal on every clip",
@@ -166,12 +158,12 @@ def test_each_metric_has_its_verdict():
     }
     swapped = {item.metric: item for item in compare(B, A, tables())}
     assert swapped["psnr"].verdict == "dlctus is better"
-    assert swapped["psnr"].difference.mean == pytest.approx(-found["psnr"].difference.mean)
+    assert swapped["psnr"].difference.mean == pytest.approx(-scores["psnr"].difference.mean)
     # By hand: the mean over seeds of the means over clips.
     t = tables()
     by_hand = (t["d0"].psnr.mean() + t["d1"].psnr.mean()) / 2 - t["t0"].psnr.mean()
-    assert found["psnr"].difference.mean == pytest.approx(by_hand)
-    assert found["psnr"].a.half_width > 3 * found["psnr"].difference.half_width
+    assert scores["psnr"].difference.mean == pytest.approx(by_hand)
+    assert scores["psnr"].a.half_width > 3 * scores["psnr"].difference.half_width
 
 
 def test_no_winner_without_an_interval_that_excludes_zero():
@@ -183,41 +175,41 @@ def test_no_winner_without_an_interval_that_excludes_zero():
     assert verdict("warping_error_ratio", Estimate(-1, -2, -0.5, 9), "x", "y") == "a is lower"
 
 
-def test_clips_without_a_value_and_infinite_ones_are_said():
-    found = tables()
-    found["t0"].loc[3, "psnr"] = np.nan
-    found["d0"].loc[5, "ssim"] = np.inf
-    chosen = compare(A, B, found, ["psnr", "ssim"])
-    assert [item.difference.clips for item in chosen] == [35, 36]
-    printed = text(A, B, chosen, found)
+def test_missing_and_infinite_values_are_reported():
+    scores = tables()
+    scores["t0"].loc[3, "psnr"] = np.nan
+    scores["d0"].loc[5, "ssim"] = np.inf
+    compared = compare(A, B, scores, ["psnr", "ssim"])
+    assert [item.difference.clips for item in compared] == [35, 36]
+    printed = text(A, B, compared, scores)
     assert "psnr: 1 clip left out" in printed
     assert "ssim is infinite on a clip" in printed
     assert "no interval" in printed
 
 
-def test_what_is_printed_says_what_it_speaks_about():
+def test_printed_text_describes_its_population():
     printed = text(A, B, compare(A, B, tables()), tables())
     assert "a: dlctus theta=0.1, seeds 0, 1, runs d0 d1" in printed
     assert "b: tus, not trained, run t0" in printed
     assert "36 clips of 9 scenes" in printed
     assert "two seeds" in printed
     assert "unknown which way is better" in printed
-    one_clip = {name: found[:1] for name, found in tables().items()}
+    one_clip = {name: scores[:1] for name, scores in tables().items()}
     assert "1 clip of 1 scene: one clip has no interval" in text(A, B, compare(A, B, one_clip), one_clip)
     alone = Group(A.setting, A.runs[:1])
     assert "one seed" in text(alone, B, compare(alone, B, tables()), tables())
 
 
-def test_two_runs_of_one_method_are_told_apart():
-    one, other = Group(A.setting, RUNS[:1]), Group(A.setting, RUNS[1:2])
-    found = tables()
-    found["d1"]["psnr"] += 3
-    found["dt"] = found["d0"]
-    assert compare(Group(A.setting, RUNS[2:3]), other, found, ["psnr"])[0].verdict == "dlctus theta=0.1 is better"
-    assert compare(one, other, found, ["psnr"])[0].verdict == "b is better"
+def test_two_runs_of_one_method_are_distinguished():
+    first, second = Group(A.setting, RUNS[:1]), Group(A.setting, RUNS[1:2])
+    scores = tables()
+    scores["d1"]["psnr"] += 3
+    scores["dt"] = scores["d0"]
+    assert compare(Group(A.setting, RUNS[2:3]), second, scores, ["psnr"])[0].verdict == "dlctus theta=0.1 is better"
+    assert compare(first, second, scores, ["psnr"])[0].verdict == "b is better"
 
 
-def test_what_cannot_be_compared_is_told():
+def test_incomparable_groups():
     with pytest.raises(UserError, match="choose from psnr, temporal"):
         compare(A, B, tables(), ["flip"])
     with pytest.raises(UserError, match="No metric is common to"):
