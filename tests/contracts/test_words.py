@@ -8,6 +8,7 @@ from wording import indirect_docstrings, is_unclear, long_lines, unclear_names
 
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 FILES = sorted(PACKAGE.rglob("*.py"))
+STORED = {("gated.py", "both")}  # the name of weights in checkpoints
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
@@ -15,6 +16,7 @@ def test_words_of_file(path: Path) -> None:
     text = path.read_text()
     nodes = list(ast.walk(ast.parse(text)))
     findings = [*unclear_names(nodes), *indirect_docstrings(nodes), *long_lines(text)]
+    findings = [finding for finding in findings if (path.name, finding.text) not in STORED]
     assert not findings, "\n".join(f"{path}:{finding.line} {finding.text}" for finding in findings)
 
 

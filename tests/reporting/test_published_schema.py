@@ -18,8 +18,8 @@ SMALL: dict[str, Any] = {
     "source": "1999",
     "short": "One et al.",
     "metrics": {
-        "psnr": {"label": "PSNR", "unit": "dB", "better": "higher", "decimals": 2, "ours": "psnr"},
-        "layer": {"label": "time", "unit": "ms", "better": "lower", "decimals": 1, "ours": None},
+        "psnr": {"label": "PSNR", "unit": "dB", "better": "higher", "decimals": 2, "logged": "psnr"},
+        "layer": {"label": "time", "unit": "ms", "better": "lower", "decimals": 1, "logged": None},
     },
     "tables": [
         {
@@ -44,7 +44,7 @@ SMALL: dict[str, Any] = {
     "facts": [
         {"number": "2", "section": "1", "page": 1, "title": "Scenes.", "headers": ["a", "b"], "rows": [["x", ""]]}
     ],
-    "pictures": [{"number": "figure 3", "section": "1", "page": 1, "title": "Crops.", "ours": "crops"}],
+    "pictures": [{"number": "figure 3", "section": "1", "page": 1, "title": "Crops.", "counterpart": "crops"}],
     "figures": [
         {
             "number": "4",
@@ -98,7 +98,7 @@ def test_optional_and_empty_entries(tmp_path: Path) -> None:
     paper = load(tmp_path, SMALL)
     assert paper.tables[0].rows[0].values == [[30.0], [None]]
     assert paper.tables[0].rows[1].select is None
-    assert paper.metrics["layer"].ours is None
+    assert paper.metrics["layer"].logged is None
     assert sweep_of(paper.tables[0], paper) == "small_tableS1"
     assert list(paper.claims[1].selections) == ["1", "2"]
     assert paper.claims[0].selections == {"b": {"model": "b"}, "a": {"model": "a"}}
@@ -122,7 +122,7 @@ def test_a_table_without_a_sweep(tmp_path: Path) -> None:
         (("tables", 0, "source"), "thesis", "Invalid value 'thesis': choose one of"),
         (("facts", 0, "rows"), [["x"]], "use a cell for each"),
         (("facts", 0, "rows"), [["x", 3]], 'Invalid value 3: use a text, written as "3"'),
-        (("pictures", 0, "ours"), "film", "film"),
+        (("pictures", 0, "counterpart"), "film", "film"),
         (("pictures", 0, "page"), -1, "figure 3: Invalid page=-1: use at least 1"),
         (("figures", 0, "x"), None, "Missing x of a curve"),
         (("figures", 0, "kind"), "pie", "pie"),

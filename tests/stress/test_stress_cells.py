@@ -112,7 +112,7 @@ def test_division_by_zero_is_detected_on_black():
     cell = cells(Division(), "colour/black", "float32")["float32"]
     assert not cell.finite
     assert cell.verdict == "fails"
-    assert cell.why == "not finite"
+    assert cell.reason == "not finite"
     assert cells(Division(), "colour/white", "float32")["float32"].verdict == "holds"
 
 
@@ -132,7 +132,7 @@ def test_infinite_gradient_is_detected():
 def test_persistent_state_is_detected_and_a_sound_model_recovers():
     persistent = {c.extreme: c for c in recovery_cells("m", Persistent(), SIZE, 24, "cpu")}
     assert persistent["recovery/state NaN"].verdict == "fails"
-    assert persistent["recovery/state NaN"].why == "not finite after 24 frames"
+    assert persistent["recovery/state NaN"].reason == "not finite after 24 frames"
     # The repaired bad frame contributes black to one half, and that error halves in every frame.
     cell = persistent["recovery/color NaN"]
     assert cell.value == math.ceil(math.log2(cell.largest * 510))
@@ -175,9 +175,9 @@ def test_cells_that_are_not_tried_have_a_reason(monkeypatch):
     extremes = [BY_NAME[n] for n in ("colour/white", "gate/o1 0", "hdr/1e6", "scale/3")]
     tried = list(quantised.int8_cells("m", Plain(), extremes, SIZE))
     assert [c.extreme for c in tried] == ["colour/white", "scale/3"]
-    assert {(c.verdict, c.why, c.precision) for c in tried} == {("not tried", "cpu has no int8", "int8")}
+    assert {(c.verdict, c.reason, c.precision) for c in tried} == {("not tried", "cpu has no int8", "int8")}
     (cell,) = extreme_cells("m", Plain(), BY_NAME["size/8K input"], [PRECISIONS["float32"]], SIZE, "cpu", "too large")
-    assert (cell.verdict, cell.why, cell.size) == ("not tried", "too large", "7680x4320")
+    assert (cell.verdict, cell.reason, cell.size) == ("not tried", "too large", "7680x4320")
 
 
 def test_extreme_that_does_not_concern_a_model_has_no_cell():

@@ -9,7 +9,7 @@ import torch
 from supersampling.stages.colour_space import RGB
 from supersampling.stages.rectify import Clamp, NoRectification
 from supersampling.stages.reproject import Bicubic9
-from supersampling.stress.divergence import KERNELS, growth, one_way_growth, tus_error, uniform_motion
+from supersampling.stress.divergence import KERNELS, directed_growth, growth, tus_error, uniform_motion
 from supersampling.stress.gain import Kernel, cubic_gain
 
 BY_NAME = {kernel.name: (kernel, make) for kernel, make in KERNELS}
@@ -63,7 +63,7 @@ def test_growth_is_below_the_gain_and_near_it(name):
 
 def test_growth_of_static_and_leaving_histories():
     assert growth(Bicubic9(-0.75), 0.0, side=8, frames=20)[0] == pytest.approx(1.0, abs=1e-12)
-    assert one_way_growth(Bicubic9(-0.75), 0.5, side=64) > 1.5 > 1.0 > one_way_growth(Bicubic9(-0.5), 0.5, side=64)
+    assert directed_growth(Bicubic9(-0.75), 0.5, side=64) > 1.5 > 1.0 > directed_growth(Bicubic9(-0.5), 0.5, side=64)
 
 
 def test_clamping_and_samples_limit_the_error():

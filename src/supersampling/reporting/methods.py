@@ -73,8 +73,8 @@ def _label(run: Run, leader: Run) -> str:
 
 def _varied_numbers(leader: Sequence[Run], groups: Sequence[list[Run]]) -> list[str]:
     """Return the leader's loss numbers that other configurations have otherwise: its own label would omit them."""
-    each = [loss_numbers(group[0]) for group in groups]
-    return [f"{k}={v}" for k, v in loss_numbers(leader[0]).items() if any(item.get(k) != v for item in each)]
+    numbers = [loss_numbers(group[0]) for group in groups]
+    return [f"{k}={v}" for k, v in loss_numbers(leader[0]).items() if any(item.get(k) != v for item in numbers)]
 
 
 def short_labels(labels: Sequence[str]) -> list[str]:

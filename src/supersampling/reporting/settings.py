@@ -1,4 +1,4 @@
-"""What runs of one comparison have in common, and the setting that a report is about."""
+"""The common setting of the runs of one comparison, and the setting that a report is about."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ UNTRAINED = ""
 
 @dataclass(frozen=True, order=True, kw_only=True)
 class Setting:
-    """What runs of one comparison have in common: data set (fingerprint), its preset, scale, mip bias, and budget.
+    """The common setting of compared runs: data set (fingerprint), its preset, scale, mip bias, and budget.
 
     A method that is not trained has no budget (`UNTRAINED`) and joins the runs of every budget. A budget that is cut
     for one model counts as the one that it is cut from (`budget_family`).

@@ -50,7 +50,7 @@ class Estimate:
 
 
 def bootstrap_mean(values: ArrayLike, scenes: ArrayLike | None = None) -> Estimate:
-    """Return the mean of ``values (seeds, clips)`` or ``(clips,)`` with its interval; clips and seeds have equal weight.
+    """Return the mean of ``values (seeds, clips)`` or ``(clips,)`` with its interval; clips and seeds weigh the same.
 
     ``scenes (clips,)`` names each clip's scene; without it the clips are of one scene. One clip has no interval, nor
     have values of which one is infinite (the PSNR of two equal images). Resampling is seeded: the same values give

@@ -36,11 +36,12 @@ class Cell:
     truth: float = math.nan
     tolerance: str = ""
     verdict: Verdict = "not tried"
-    why: str = ""
+    reason: str = ""
     says: str = ""
 
 
-COLUMNS = [field.name for field in fields(Cell)]
+# The stored column of a reason is ``why``.
+COLUMNS = ["why" if field.name == "reason" else field.name for field in fields(Cell)]
 
 
 def fit_drift(errors: Sequence[float]) -> float:
@@ -66,7 +67,7 @@ def judge(finite: bool, largest: float, mean: float, gradient: str, limits: tupl
 
 def make_table(cells: Sequence[Cell]) -> pd.DataFrame:
     """Return the table as it is logged: one row per cell."""
-    return pd.DataFrame([asdict(cell) for cell in cells], columns=COLUMNS)
+    return pd.DataFrame([list(asdict(cell).values()) for cell in cells], columns=COLUMNS)
 
 
 def summarise(cells: Sequence[Cell]) -> str:

@@ -63,11 +63,11 @@ def _without_emission(clip: Clip) -> Clip:
 def _colour_and_light(name: str, meaning: str, change: Change, value: float, light: float) -> Extreme:
     """Return an extreme of displayed colour up to ``value`` and of radiance up to ``light``."""
 
-    def change_both(clip: Clip) -> Clip:
+    def change_colours(clip: Clip) -> Clip:
         clip = change(clip, value, ("color", "target"))
         return change(clip, light, LIGHT) if "radiance" in clip else clip
 
-    return Extreme(f"colour/{name}", meaning, change=change_both, touches=frozenset(COLOURS))
+    return Extreme(f"colour/{name}", meaning, change=change_colours, touches=frozenset(COLOURS))
 
 
 def _light(name: str, meaning: str, change: Callable[[Clip], Clip]) -> Extreme:

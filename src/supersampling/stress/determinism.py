@@ -65,6 +65,6 @@ def determinism_cells(name: str, model: Upsampler, size: tuple[int, int], device
             drift=fit_drift(distance.means),
             tolerance=f"{tolerance:g}",
             verdict="holds" if good else "fails",
-            why="" if good else f"{distance.largest:.2g} apart",
+            reason="" if good else f"{distance.largest:.2g} apart",
             says=meaning,
         )

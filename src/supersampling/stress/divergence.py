@@ -60,7 +60,7 @@ def growth(stage: Reproject, fraction: float, side: int = SIDE, frames: int = FR
     return math.exp(float(slope)), len(logs)
 
 
-def one_way_growth(stage: Reproject, fraction: float, side: int = SIDE) -> float:
+def directed_growth(stage: Reproject, fraction: float, side: int = SIDE) -> float:
     """Return the largest factor by which noise in the middle grows while it moves out of the image."""
     generator = torch.Generator().manual_seed(0)
     history = torch.zeros(1, 1, side, side, dtype=torch.float64)
@@ -106,7 +106,7 @@ def divergence_cells(frames: int) -> Iterator[Cell]:
     for kernel, make_stage in KERNELS:
         name = f"reproject={kernel.name}"
         stage = make_stage()
-        for cell in (*_growth_cells(kernel, stage), _one_way_cell(kernel, stage), *_tus_cells(make_stage, frames)):
+        for cell in (*_growth_cells(kernel, stage), _directed_cell(kernel, stage), *_tus_cells(make_stage, frames)):
             yield replace(cell, model=name)
 
 
@@ -125,12 +125,12 @@ def _growth_cells(kernel: Kernel, stage: Reproject) -> Iterator[Cell]:
             _cell(f"to and fro {fraction:g}", frames, value, truth, meaning),
             verdict=_verdict(good),
             tolerance=f"{GROWTH_TOLERANCE:g} below the gain",
-            why=f"grows {100 * (value - 1):.2g} % per frame" if value > 1.0 + 1e-6 else "",
+            reason=f"grows {100 * (value - 1):.2g} % per frame" if value > 1.0 + 1e-6 else "",
         )
 
 
-def _one_way_cell(kernel: Kernel, stage: Reproject) -> Cell:
-    value, truth = one_way_growth(stage, 0.5), kernel.gain(0.5, 0.0) ** (2 * SIDE)
+def _directed_cell(kernel: Kernel, stage: Reproject) -> Cell:
+    value, truth = directed_growth(stage, 0.5), kernel.gain(0.5, 0.0) ** (2 * SIDE)
     meaning = (
         "Largest factor while noise leaves the image, half a pixel per frame; the gain to the power of the frames."
     )
@@ -149,7 +149,7 @@ def _tus_cells(make_stage: StageFactory, frames: int) -> Iterator[Cell]:
                 precision="float32",
                 verdict=_verdict(value <= 1.0),
                 tolerance="1, the range",
-                why="" if visible < 0 else f"more than 8 steps of 8 bits from frame {visible} on",
+                reason="" if visible < 0 else f"more than 8 steps of 8 bits from frame {visible} on",
             )
 
 

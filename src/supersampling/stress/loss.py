@@ -65,6 +65,6 @@ def loss_cells(
                 truth=truth,
                 tolerance=f"{precision.mean:g}",
                 verdict=verdict,
-                why=reason,
+                reason=reason,
                 says=f"The spatio-temporal loss with theta = {theta:g}, and its gradients.",
             )

@@ -74,7 +74,7 @@ def int8_cells(name: str, model: Upsampler, extremes: Sequence[Extreme], size: t
                 says=extreme.meaning,
             )
             if runner is None or low_size != size or scale != model.scale:
-                yield replace(cell, why=missing or "its graph is made for the plain size and scale")
+                yield replace(cell, reason=missing or "its graph is made for the plain size and scale")
                 continue
             clip = extreme.change(make_clip(model.requires, extreme.frames, *size, model.scale))
             distance = measure_distance(runner, model, clip)
@@ -86,5 +86,5 @@ def int8_cells(name: str, model: Upsampler, extremes: Sequence[Extreme], size: t
                 mean=distance.mean if distance.means else math.nan,
                 drift=fit_drift(distance.means),
                 verdict=verdict,
-                why=reason,
+                reason=reason,
             )

@@ -112,6 +112,6 @@ def recovery_cells(name: str, model: Upsampler, size: tuple[int, int], horizon: 
             value=clean,
             tolerance=f"clean or nearing, {horizon} frames",
             verdict=verdict,
-            why=reason,
+            reason=reason,
             says="Frames until finite and within float32's tolerance of the undisturbed roll-out.",
         )

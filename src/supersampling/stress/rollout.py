@@ -77,6 +77,6 @@ def rollout_cells(
                     value=sum(last) / len(last),
                     tolerance=precision.tolerance,
                     verdict=verdict,
-                    why=reason,
+                    reason=reason,
                     says="A camera that moves in a circle without end." if moving else "Only jitter, without end.",
                 )

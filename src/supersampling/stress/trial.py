@@ -152,7 +152,7 @@ def extreme_cells(
     for precision in precisions:
         cell = replace(template, precision=precision.name, tolerance=precision.tolerance)
         if skip:
-            yield replace(cell, why=skip)
+            yield replace(cell, reason=skip)
             continue
         distance = measure_distance(model, clip, references, precision, device)
         large = width * height * model.scale**2 > LARGE
@@ -166,5 +166,5 @@ def extreme_cells(
             drift=fit_drift(distance.means),
             gradient=gradient,
             verdict=verdict,
-            why=reason,
+            reason=reason,
         )

@@ -40,7 +40,7 @@ def section(report: Report) -> Section | None:
 
 def _figure(runs: FigureRuns, paper: Paper, report: Report) -> parts.Figure:
     figure = runs.figure
-    metric = next((m for m in paper.metrics.values() if m.ours == figure.metric), None)
+    metric = next((m for m in paper.metrics.values() if m.logged == figure.metric), None)
     label = metric_label(metric) if metric else figure.metric
     path = Path(f"{report.stem}_figure{stem_of(figure.number)}.pdf")
     drawn = draw(runs, report.material.clips, report.material.frames, label, path)

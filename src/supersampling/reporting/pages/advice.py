@@ -1,4 +1,4 @@
-"""What scenes require: the newest advice for each scene and space, its savings and cost, and the gain of each part."""
+"""The advice of the overview: the newest for each scene and space, its savings and cost, and the gain of each part."""
 
 import math
 from collections.abc import Mapping

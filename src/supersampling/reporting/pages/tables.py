@@ -143,7 +143,7 @@ def _notes(filled: Filled, paper: Paper) -> list[str]:
         notes.append(f"Mean over {' to '.join(str(n) for n in sorted({seeds[0], seeds[-1]}))} seeds.")
     if table.source == "run":
         notes.append("Ours are numbers that the runs logged; they have no interval.")
-    if any(paper.metrics[name].ours == "mssim_thesis" for _, _, name in filled.values):
+    if any(paper.metrics[name].logged == "mssim_thesis" for _, _, name in filled.values):
         notes.append("SSIM after the thesis's definition (mssim_thesis).")
     if 0 < len(filled.gaps) <= LEADS:
         leads = "; ".join(f"{name} {_interval(gap)}" for name, gap in filled.gaps.items())

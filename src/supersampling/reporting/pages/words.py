@@ -47,7 +47,7 @@ def picture_sheets(paper: Paper) -> list[Sheet]:
             Text(name_of(item.number)),
             Text(item.section),
             Text(" ".join(full_stop(text) for text in (item.title, item.note) if text)),
-            Text(PICTURES[item.ours], "muted" if item.ours == "none" else "plain"),
+            Text(PICTURES[item.counterpart], "muted" if item.counterpart == "none" else "plain"),
         ]
         for item in paper.pictures
     ]

@@ -15,17 +15,17 @@ BY_NUMBER = ""
 
 @dataclass(frozen=True, kw_only=True)
 class Metric:
-    """A printed quantity; ``ours`` names the column of our clip tables (or the run's metric) that holds it, times
+    """A printed quantity; ``logged`` names the column of our clip tables (or the run's metric) that holds it, times
     ``factor``.
 
-    ``ours`` is ``None`` for a quantity that is never measured here.
+    ``logged`` is ``None`` for a quantity that is never measured here.
     """
 
     label: str
     unit: str
     better: Literal["higher", "lower"]
     decimals: int
-    ours: str | None
+    logged: str | None
     factor: float = 1.0
 
 
@@ -102,7 +102,7 @@ class FactTable(Placed):
 class Picture(Placed):
     """A table or figure made of pictures, and which of ours show the same."""
 
-    ours: Literal["crops", "error_maps", "epipolar", "accumulation", "none"]
+    counterpart: Literal["crops", "error_maps", "epipolar", "accumulation", "none"]
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ class Filled:
         """Return why a cell has no number of ours."""
         if self.table.rows[row].select is None or self.table.columns[column].select is None:
             return NOT_AVAILABLE
-        if metric.ours is None:
+        if metric.logged is None:
             return NOT_MEASURED
         return NOT_SCORED if (row, column) in self.runs else NOT_RUN
 
@@ -75,13 +75,13 @@ def fill(selected: TableRuns, paper: Paper, tables: ClipTables) -> Filled:
     for (row, column), runs in selected.cells.items():
         for name in table.columns[column].metrics:
             metric = paper.metrics[name]
-            if metric.ours is None:
+            if metric.logged is None:
                 continue
-            value = logged(runs, metric.ours) if table.source == "run" else estimate(runs, metric.ours, tables)
+            value = logged(runs, metric.logged) if table.source == "run" else estimate(runs, metric.logged, tables)
             if value is not None and not math.isnan(value.mean):
                 values[row, column, name] = scaled(value, metric.factor)
     gaps: dict[str, Estimate] = {}
-    if any(paper.metrics[name].ours == "psnr" for column in table.columns for name in column.metrics):
+    if any(paper.metrics[name].logged == "psnr" for column in table.columns for name in column.metrics):
         for group in _groups(table):
             cells = [runs for (row, _), runs in selected.cells.items() if row in group]
             gap = _gap(cells, tables)
