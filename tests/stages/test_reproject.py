@@ -1,11 +1,10 @@
 import math
 
-import numpy as np
 import pytest
 import torch
 
 from supersampling.errors import UserError
-from supersampling.stages.reproject import Bicubic5, Bicubic9, Bilinear, Lanczos
+from supersampling.stages.reproject import Bicubic5, Bicubic9, Bilinear
 
 OPTIONS = {
     "bilinear": Bilinear(),
@@ -13,7 +12,6 @@ OPTIONS = {
     "bicubic9": Bicubic9(),
     "bicubic5_a50": Bicubic5(-0.5),
     "bicubic9_a50": Bicubic9(-0.5),
-    "lanczos": Lanczos(2),
 }
 
 
@@ -21,8 +19,6 @@ def kernel(name, t):
     t = abs(t)
     if name == "bilinear":
         return max(1.0 - t, 0.0)
-    if name == "lanczos":
-        return float(np.sinc(t) * np.sinc(t / 2)) if t < 2.0 else 0.0
     a = -0.5 if name.endswith("a50") else -0.75
     if t <= 1.0:
         return (a + 2) * t**3 - (a + 3) * t**2 + 1
@@ -76,8 +72,3 @@ def test_gradient_reaches_the_history_through_still_and_moving_pixels(name):
 def test_invalid_kernel_parameter_raises(option):
     with pytest.raises(UserError, match=r"0\.75"):
         option(0.75)
-
-
-def test_invalid_number_of_lobes_raises():
-    with pytest.raises(UserError, match="2 or 3"):
-        Lanczos(1)

@@ -69,32 +69,6 @@ def sample_bicubic5(image: Tensor, grid: Tensor, a: float) -> Tensor:
     return torch.stack(fetches).sum(0) / total.unsqueeze(1)
 
 
-def sample_lanczos(image: Tensor, grid: Tensor, lobes: int) -> Tensor:
-    """Interpolate with Lanczos's windowed sinc of so many ``lobes``, normalised to a sum of 1, borders repeated.
-
-    Shapes as in `sample_bilinear`.
-    """
-    columns, x_weights = _lanczos_taps(grid[..., 0], image.shape[-1], lobes)
-    rows, y_weights = _lanczos_taps(grid[..., 1], image.shape[-2], lobes)
-    fetches = [
-        sample_bilinear(image, torch.stack((x, y), dim=-1)) * (wx * wy).unsqueeze(1)
-        for y, wy in zip(rows, y_weights, strict=True)
-        for x, wx in zip(columns, x_weights, strict=True)
-    ]
-    return torch.stack(fetches).sum(0)
-
-
-def _lanczos_taps(position: Tensor, size: int, lobes: int) -> tuple[list[Tensor], list[Tensor]]:
-    """Return positions and weights of one axis's ``2 * lobes`` fetches, each at a pixel centre."""
-    pixel = (position + 1.0) * (0.5 * size) - 0.5
-    base = pixel.floor()
-    f = pixel - base
-    steps = range(1 - lobes, lobes + 1)
-    weights = [torch.sinc(f - step) * torch.sinc((f - step) / lobes) for step in steps]
-    total = torch.stack(weights).sum(0)
-    return [(2.0 * (base + step) + 1.0) / size - 1.0 for step in steps], [weight / total for weight in weights]
-
-
 def _cubic_taps(position: Tensor, size: int, a: float) -> tuple[tuple[Tensor, ...], tuple[Tensor, ...]]:
     """Return positions and weights of one axis's three fetches: first tap, the middle two combined, last tap."""
     pixel = (position + 1.0) * (0.5 * size) - 0.5

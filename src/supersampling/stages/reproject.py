@@ -6,14 +6,12 @@ from typing import final
 
 from torch import Tensor, nn
 
-from supersampling.errors import UserError
 from supersampling.ops.interpolate import (
     TORCH_CUBIC,
     check_cubic,
     sample_bicubic5,
     sample_bicubic9,
     sample_bilinear,
-    sample_lanczos,
 )
 from supersampling.ops.warp import warp
 
@@ -61,17 +59,3 @@ class Bicubic9(Reproject):
 
     def forward(self, history: Tensor, motion: Tensor) -> Tensor:
         return warp(history, motion, partial(sample_bicubic9, a=self.a))
-
-
-@final
-class Lanczos(Reproject):
-    """Lanczos's windowed sinc with two or three lobes on either side, 16 or 36 fetches."""
-
-    def __init__(self, lobes: int = 2) -> None:
-        super().__init__()
-        if lobes not in (2, 3):
-            raise UserError(f"Invalid reproject.lobes={lobes}: use 2 or 3.")
-        self.lobes = lobes
-
-    def forward(self, history: Tensor, motion: Tensor) -> Tensor:
-        return warp(history, motion, partial(sample_lanczos, lobes=self.lobes))
