@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
-from supersampling.reporting.figures import crops, epipolar, published, spread, states
+from supersampling.reporting.figures import crops, epipolar, published, states
 from supersampling.reporting.figures import methods as method_figures
 from supersampling.reporting.pages import advice, claims, dataset, methods, stress, tables, words
 from supersampling.reporting.pages.appendix import appendix
@@ -21,7 +21,6 @@ MAKERS: tuple[Callable[[Report], Section | None], ...] = (
     tables.section,
     published.section,
     method_figures.section,
-    spread.section,
     crops.section,
     epipolar.section,
     states.section,
