@@ -36,12 +36,7 @@ def pattern(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float6
 
 
 def analytic_clip(
-    frames: int,
-    width: int,
-    height: int,
-    scale: int,
-    velocity: tuple[float, float],
-    jitter: NDArray[np.float32],
+    frames: int, width: int, height: int, scale: int, velocity: tuple[float, float], jitter: NDArray[np.float32]
 ) -> dict[str, NDArray]:
     """Return the usual buffers of a plane that moves by ``velocity`` target pixels per frame, in closed form.
 

@@ -45,8 +45,7 @@ def test_mistakes(folder):
 
 
 @pytest.mark.parametrize(
-    ("statuses", "status", "ran"),
-    [((0, 0, 0), 0, 3), ((0, 2, 1), 2, 3), ((0, 130, 0), 130, 2), ((-2, 0, 0), 130, 1)],
+    ("statuses", "status", "ran"), [((0, 0, 0), 0, 3), ((0, 2, 1), 2, 3), ((0, 130, 0), 130, 2), ((-2, 0, 0), 130, 1)]
 )
 def test_the_first_failure_is_the_status_and_an_interrupt_ends_it(folder, monkeypatch, statuses, status, ran):
     lines = []

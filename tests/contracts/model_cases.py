@@ -42,6 +42,13 @@ MODELS = stems("model")
 FAMILIES = [name for name in MODELS if "_target_" in _written(name)]
 
 
+def family_of(name):
+    """The model itself, or the one whose numbers it overrides."""
+    if name in FAMILIES:
+        return name
+    return family_of(next(line for line in _written(name)["defaults"] if line in MODELS))
+
+
 def slots_of(family):
     """``{slot: the published option}`` of a model's yaml."""
     lines = _written(family).get("defaults", [])

@@ -21,18 +21,7 @@ from supersampling.training.module import Training
 SHARP = "task.scale=2 task.mip_bias=sharp"  # the thesis's data set 2
 TWO = "task.scale=2"
 DATA_SETS = {"4, 1": "", "2, 1": TWO, "2, 2": SHARP}  # f_u, data set
-SCENES = [
-    "atrium",
-    "bar",
-    "market",
-    "foundry",
-    "arena",
-    "airstrip",
-    "louvres",
-    "sundial",
-    "turntable",
-    "stk/zengarden",
-]
+SCENES = ["atrium", "bar", "market", "foundry", "arena", "airstrip", "louvres", "sundial", "turntable", "stk/zengarden"]
 
 
 def fewer(count):
@@ -133,10 +122,7 @@ TABLES = {
     ),
     "dlctus_table13": ("experiment=dlctus", crossed("reproject", ("bilinear", "bicubic5", "bicubic9"))),
     "dlctus_table14": ("experiment=dlctus", crossed("dilate", ("closest", "none"))),
-    "dlctus_table16": (
-        "experiment=dlctus",
-        crossed("accumulate", ("buffer", "none"), {"4x4, 1": "", "2x2, 2": SHARP}),
-    ),
+    "dlctus_table16": ("experiment=dlctus", crossed("accumulate", ("buffer", "none"), {"4x4, 1": "", "2x2, 2": SHARP})),
 }
 # RAFT itself is what its size is: the small one, one update, stands for the large one in a test of seconds.
 QUICK = {"model/flow=raft": "model.flow.network=raft_small model.flow.weights=C_T_V2 model.flow.updates=1"}

@@ -55,12 +55,7 @@ def test_the_state_carries_what_earlier_frames_saw(variant):
 
 
 def test_the_command_line_reaches_into_a_stage():
-    overrides = (
-        "task.scale=3",
-        "model/reproject=bicubic5",
-        "model.reproject.a=-0.5",
-        "model/accumulate=none",
-    )
+    overrides = ("task.scale=3", "model/reproject=bicubic5", "model.reproject.a=-0.5", "model/accumulate=none")
     model = model_of("dlctus", *overrides)
     assert model.scale == 3
     assert model.reproject.a == -0.5

@@ -19,11 +19,7 @@ COMMANDS = sorted(
     {
         line.strip()
         for page in PAGES
-        for line in re.findall(
-            r"^ {4}((?:python \w+\.py|supersampling \w+).*)$",
-            page.read_text(),
-            re.MULTILINE,
-        )
+        for line in re.findall(r"^ {4}((?:python \w+\.py|supersampling \w+).*)$", page.read_text(), re.MULTILINE)
     }
 )
 
@@ -61,10 +57,7 @@ def test_every_make_target_in_the_documentation_exists():
     makefile = (ROOT / "Makefile").read_text()
     for page in PAGES:
         for target in re.findall(r"\bmake ([a-z-]+)", page.read_text()):
-            assert re.search(rf"^{target}:|^\.PHONY:.*\b{target}\b", makefile, re.MULTILINE), (
-                page.name,
-                target,
-            )
+            assert re.search(rf"^{target}:|^\.PHONY:.*\b{target}\b", makefile, re.MULTILINE), (page.name, target)
 
 
 def test_every_linked_file_exists():
@@ -81,15 +74,7 @@ SMALL = {
     "count": ["scene=atrium"],
     "benchmark": ["sizes=[[96,96]]", "rounds=1", "frames=2", "backends=[eager,tensorrt]"],
     "export": ["scene=atrium", "check=2"],
-    "advise": [
-        "data=smoke",
-        "budget=smoke",
-        "scene=atrium",
-        "rungs=[1]",
-        "seeds=[1]",
-        "size=[16,16]",
-        "frames=1",
-    ],
+    "advise": ["data=smoke", "budget=smoke", "scene=atrium", "rungs=[1]", "seeds=[1]", "size=[16,16]", "frames=1"],
     "report": [],
     "stress": ["models=[jau]", "extremes=[size/1x1]", "scene=atrium"],
 }

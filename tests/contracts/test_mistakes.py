@@ -136,12 +136,7 @@ def test_evaluate_without_weights(own, tmp_path):
 
 
 def test_report_without_runs(tmp_path):
-    command = [
-        sys.executable,
-        "report.py",
-        f"tracking_uri=sqlite:///{tmp_path}/none.db",
-        f"output={tmp_path}/out",
-    ]
+    command = [sys.executable, "report.py", f"tracking_uri=sqlite:///{tmp_path}/none.db", f"output={tmp_path}/out"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr

@@ -58,9 +58,7 @@ def cells():
                     if row.select is not None and column.select is not None:
                         selection = {**table.base, **row.select, **column.select}
                         yield pytest.param(
-                            file,
-                            selection,
-                            id=f"{paper.paper} {table.number} {'/'.join(row.labels)} {column.label}",
+                            file, selection, id=f"{paper.paper} {table.number} {'/'.join(row.labels)} {column.label}"
                         )
         for figure in paper.figures:
             for series in figure.series:

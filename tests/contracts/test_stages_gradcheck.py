@@ -17,10 +17,7 @@ from supersampling.stages.upsample import ZeroUpsampling
 
 H, W, SCALE = 3, 4, 2
 OPTIONS = sorted({(slot, option) for slots in SLOTS.values() for slot in slots for option in stems(f"model/{slot}")})
-ONCE, CONSTANT = (
-    "it acts once, before training",
-    "estimated flow is a constant to training, which is tested below",
-)
+ONCE, CONSTANT = ("it acts once, before training", "estimated flow is a constant to training, which is tested below")
 NOT_DIFFERENTIABLE = {
     **{("initialise", option): ONCE for option in stems("model/initialise")},
     ("flow", "tvl1"): CONSTANT,

@@ -11,9 +11,7 @@ from omegaconf import OmegaConf
 from test_ablations import TABLES
 
 # Rows that a sweep leaves out: no row of the paper, or one that is tested on other scenes than it is trained on.
-LEFT_OUT = {
-    "enss_table3": {f"(-{n}) training scenes" for n in (2, 5, 8)} | {"(-) MVs, (+) TV-L1"},
-}
+LEFT_OUT = {"enss_table3": {f"(-{n}) training scenes" for n in (2, 5, 8)} | {"(-) MVs, (+) TV-L1"}}
 STRICT = [name for name in stems("../sweeps") if name in TABLES and name.startswith(("nsrr_", "enss_"))]
 
 
@@ -50,11 +48,7 @@ def test_the_rows_of_nsrr_go_with_another_form_of_it(name):
     swept = set(composed(f"sweeps={name}").hydra.sweeper.params)
     for cfg in jobs(f"sweeps={name}", "experiment=laptop/nsrr").values():
         choices = cfg.hydra.runtime.choices
-        assert (choices["loss"], choices["model/base"], choices["task"]) == (
-            "l1",
-            "jitter_aligned",
-            "default",
-        )
+        assert (choices["loss"], choices["model/base"], choices["task"]) == ("l1", "jitter_aligned", "default")
         assert "model/colour_space" in swept or choices["model/colour_space"] == "rgb"
     other = jobs(f"sweeps={name}", "experiment=laptop/nsrr").values()
     assert len({program(cfg) for cfg in other}) == len(jobs(f"sweeps={name}"))

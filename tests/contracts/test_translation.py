@@ -10,19 +10,18 @@ import copy
 
 import pytest
 import torch
-from model_cases import clip, every_variant, model_of
+from model_cases import clip, every_variant, family_of, model_of
 from torch import nn
 
 from supersampling.frames import Frame
 from supersampling.models.blocks.attention import UShaped
 
 SHIFT = 4  # low-resolution pixels
-# How far borders reach into the image in two frames, low-resolution pixels: radii of the convolutions, and a pixel of
-# motion.
-REACH = {"bicubic": 3, "jau": 2, "tus": 6, "dlctus": 38, "enss": 14, "nsrr": 20, "nsrd": 11}
+# How far borders reach into the image in two frames, low-resolution pixels: radii of the convolutions, and a pixel of motion.
+REACH = {"bicubic": 3, "jau": 2, "tus": 6, "dlctus": 38, "enss_m": 14, "nsrr": 20, "nsrd": 11}
 WIDEST = 40
 # Numbers that change how much is computed and not how far it reaches.
-NARROW = {"nsrr": ("model.width=4", "model.previous=2"), "enss": ("model.features=8",)}
+NARROW = {"nsrr": ("model.width=4", "model.previous=2"), "enss_m": ("model.features=8",)}
 ESTIMATED = {
     "model/flow=tvl1": "flow is estimated on a pyramid of the whole image",
     "model/flow=raft": "flow is estimated from correlations over the whole image",
@@ -47,7 +46,7 @@ def test_translation_commutes_away_from_borders(variant):
     reasons = [reason for override, reason in ESTIMATED.items() if override in variant]
     if reasons:
         pytest.skip(reasons[0])
-    family = variant[0].split("_")[0]
+    family = family_of(variant[0])
     model = model_of(variant[0], *NARROW.get(family, ()), *variant[1:])
     if family == "nsrd":
         model = copy.deepcopy(model)

@@ -55,9 +55,7 @@ def test_wrong_signs_would_be_noticed(items):
 
 def test_all_symmetries_occur(items):
     """Eight symmetries, observed by their effect on known numbers."""
-    item = {
-        "motion": np.broadcast_to(np.array((1.0, 2.0), np.float32)[None, :, None, None], (1, 2, 2, 2)),
-    }
+    item = {"motion": np.broadcast_to(np.array((1.0, 2.0), np.float32)[None, :, None, None], (1, 2, 2, 2))}
     rng = np.random.default_rng(0)
     seen = [Symmetries()(item, rng) for _ in range(300)]
     assert len({tuple(s["motion"][0, :, 0, 0].tolist()) for s in seen}) == 8

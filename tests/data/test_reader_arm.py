@@ -49,12 +49,7 @@ def test_round_trip(written, tmp_path):
     source, capture = written
     (path,) = import_capture("arm", capture, tmp_path, scale=2)
     before, after = DatasetFile(source), DatasetFile(path)
-    assert (after.spec.scene, after.spec.split, after.spec.clips, after.spec.frames) == (
-        "arm/capture",
-        "test",
-        2,
-        6,
-    )
+    assert (after.spec.scene, after.spec.split, after.spec.clips, after.spec.frames) == ("arm/capture", "test", 2, 6)
     for clip in range(2):
         old = {name: before.read(name, clip, slice(None)) for name in before.buffers}
         new = {name: after.read(name, clip, slice(None)) for name in after.buffers}
@@ -190,17 +185,11 @@ def one_channel(capture):
         (lambda c: edit(c, lambda m: m["Frames"].pop()), "describes 5 frames, but 6"),
         (lambda c: (c / "test/0001.json").unlink(), "0001.json is missing"),
         (lambda c: edit(c, lambda m: m.pop("ReverseZ")), "ReverseZ"),
-        (
-            lambda c: edit(c, lambda m: m["Frames"][3].pop("NormalizedPerRatioJitter")),
-            "0001.json has no Normalized",
-        ),
+        (lambda c: edit(c, lambda m: m["Frames"][3].pop("NormalizedPerRatioJitter")), "0001.json has no Normalized"),
         (lambda c: edit(c, lambda m: m["UpscalingRatiosIndices"].clear()), "0001.json has no Normalized"),
         (lambda c: edit(c, lambda m: m["Frames"][3].update(Exposure=0)), "Exposure=0"),
         (lambda c: edit(c, lambda m: m["Frames"][3].update(CameraNearPlane=0)), "CameraNearPlane=0 .*0001.json"),
-        (
-            lambda c: edit(c, lambda m: m["Frames"][3].update(CameraFarPlane="far")),
-            "CameraFarPlane.*finite number",
-        ),
+        (lambda c: edit(c, lambda m: m["Frames"][3].update(CameraFarPlane="far")), "CameraFarPlane.*finite number"),
         (lambda c: edit(c, lambda m: m["Frames"].__setitem__(3, None)), "0001.json"),
         (
             lambda c: edit(c, lambda m: m["Frames"][3].update(NormalizedPerRatioJitter=[{"X": 0.3, "Y": 0.1}])),

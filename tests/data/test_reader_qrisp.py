@@ -31,12 +31,7 @@ def test_round_trip_is_exact_except_half_float_motion(written, tmp_path, capsys)
     (path,) = import_capture("qrisp", capture, tmp_path, scale=2)
     before, after = DatasetFile(source), DatasetFile(path)
     assert after.buffers == {"color", "depth", "motion", "jitter", "target"}
-    assert (after.spec.scene, after.spec.split, after.spec.clips, after.spec.frames) == (
-        "qrisp/World",
-        "test",
-        2,
-        5,
-    )
+    assert (after.spec.scene, after.spec.split, after.spec.clips, after.spec.frames) == ("qrisp/World", "test", 2, 5)
     assert after.spec.frame == after.spec.window == SIZE
     assert after.spec.origin.startswith("qrisp:capture:")
     for clip in range(2):

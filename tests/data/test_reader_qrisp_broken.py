@@ -50,11 +50,7 @@ def endless(path):
         (MOTION / "0001/0002.exr", poison, "NaN"),
         (LOW / "MipBiasMinus1Jittered/0001/0002.png", shrink, "20x20 pixels: .*48x32"),
         (LOW / "MipBiasMinus1Jittered/0001/0002.png", truncate, "truncated"),
-        (
-            LOW / "DepthMipBiasMinus1Jittered/0001/0002.png",
-            lambda p: Image.open(p).convert("RGB").save(p),
-            "RGBA",
-        ),
+        (LOW / "DepthMipBiasMinus1Jittered/0001/0002.png", lambda p: Image.open(p).convert("RGB").save(p), "RGBA"),
         (Path("TestSet/World/1080p/Enhanced/0001/0002.png"), shrink, "20x20 pixels: .*96x64"),
         (Path("TestSet/World/1080p/Enhanced/0001/0002.png"), Path.unlink, "0002.png is missing"),
         (LOW / "CameraData/0001/0002.json", without_jitter, "no jitter_offset"),

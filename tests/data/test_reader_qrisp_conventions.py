@@ -34,12 +34,7 @@ def rewrite_cameras(capture, change):
 
 
 @pytest.mark.parametrize(
-    ("change", "fits"),
-    [
-        (lambda r, g: (g, r), "y-x"),
-        (lambda r, g: (-r, -g), "x-y"),
-        (lambda r, g: (r, -g), "-x-y"),
-    ],
+    ("change", "fits"), [(lambda r, g: (g, r), "y-x"), (lambda r, g: (-r, -g), "x-y"), (lambda r, g: (r, -g), "-x-y")]
 )
 def test_error_names_the_fitting_convention_which_can_be_set(capture, tmp_path, change, fits):
     rewrite_motion(capture, change)

@@ -51,11 +51,7 @@ def colour_distance(first, second):
     return 0.95 * error / knee if error < knee else 0.95 + 0.05 * (error - knee) / (most - knee)
 
 
-PAIRS = [
-    ((0.8, 0.3, 0.1), (0.2, 0.4, 0.5)),
-    ((0.5, 0.5, 0.5), (0.52, 0.5, 0.45)),
-    ((0, 0, 0), (0.2, 0.2, 0.2)),
-]
+PAIRS = [((0.8, 0.3, 0.1), (0.2, 0.4, 0.5)), ((0.5, 0.5, 0.5), (0.52, 0.5, 0.45)), ((0, 0, 0), (0.2, 0.2, 0.2))]
 
 
 @pytest.mark.parametrize(("first", "second"), PAIRS)

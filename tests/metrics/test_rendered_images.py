@@ -116,13 +116,9 @@ def test_temporal_losses_equal_scipys_interpolation(film):
         before = double(moment.previous[0]) - double(moment.previous[1])
         rows, columns, _, _ = positions(moment.motion, *now.shape[:2])
         carried = np.stack(
-            [map_coordinates(before[..., c], (rows, columns), order=1, mode="nearest") for c in range(3)],
-            axis=-1,
+            [map_coordinates(before[..., c], (rows, columns), order=1, mode="nearest") for c in range(3)], axis=-1
         )
-        expected = {
-            "spatial": (abs(now) + abs(carried)).mean(),
-            "temporal": abs(now - carried).mean(),
-        }
+        expected = {"spatial": (abs(now) + abs(carried)).mean(), "temporal": abs(now - carried).mean()}
         assert Temporal()(moment) == pytest.approx(expected, rel=1e-4)
 
 

@@ -61,17 +61,7 @@ def test_vmaf_equals_ffmpeg_on_png_files(film, tmp_path):
         inputs += ["-framerate", "60", "-i", f"{name}_%d.png"]
     to_yuv = "scale=out_color_matrix=bt709:out_range=tv:flags=bicubic+accurate_rnd,format=yuv420p"
     graph = f"[0:v]{to_yuv}[a];[1:v]{to_yuv}[b];[a][b]libvmaf=log_fmt=json:log_path=log.json"
-    command = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-loglevel",
-        "error",
-        *inputs,
-        "-lavfi",
-        graph,
-        "-f",
-        "null",
-        "-",
-    ]
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-loglevel", "error", *inputs, "-lavfi", graph, "-f", "null", "-"]
     subprocess.run(command, cwd=tmp_path, check=True)
     expected = json.loads((tmp_path / "log.json").read_text())["pooled_metrics"]["vmaf"]["mean"]
     assert 1 < expected < 95
@@ -87,26 +77,8 @@ def test_colorvideovdp_equals_its_command_line(film, tmp_path, rate, display):
         for t, frame in enumerate(clip):
             # The tool wants a library for PNG that it would download.
             Image.fromarray(to_bytes(frame)).save(tmp_path / f"{name}_{t:03}.bmp")
-    command = [
-        sys.executable,
-        "-m",
-        "pycvvdp.run_cvvdp",
-        "--test",
-        "output_%03d.bmp",
-        "--ref",
-        "target_%03d.bmp",
-    ]
-    command += [
-        "--fps",
-        f"{rate:g}",
-        "--display",
-        display,
-        "--device",
-        "cpu",
-        "--quiet",
-        "--result",
-        "score.csv",
-    ]
+    command = [sys.executable, "-m", "pycvvdp.run_cvvdp", "--test", "output_%03d.bmp", "--ref", "target_%03d.bmp"]
+    command += ["--fps", f"{rate:g}", "--display", display, "--device", "cpu", "--quiet", "--result", "score.csv"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     expected = float((tmp_path / "score.csv").read_text().split(",")[-1])
     assert 1 < expected < 9.9

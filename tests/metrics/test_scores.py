@@ -31,13 +31,7 @@ def test_frames_clips_and_scenes_are_read_back(tmp_path):
     pd.testing.assert_frame_equal(read.frames, frames(), check_dtype=False)
     assert read.clips["vmaf"].tolist() == [70, 80, 90, 50]
     assert read.scenes["vmaf"].tolist() == [75, 70]
-    assert list(read.frames.columns) == [
-        "scene",
-        "clip",
-        "frame",
-        "psnr",
-        "temporal",
-    ]  # vmaf has no value of a frame
+    assert list(read.frames.columns) == ["scene", "clip", "frame", "psnr", "temporal"]  # vmaf has no value of a frame
     assert np.isinf(read.frames["psnr"][0])
     assert np.isnan(read.frames["temporal"][0])
 

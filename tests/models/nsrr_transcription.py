@@ -97,9 +97,7 @@ def transcribed(model, buffers, t, n, scale, guides=()):
     for k in range(t - 1, t - 1 - n, -1):
         start = max(k, 0)  # the first frame stands in for those before it, without motion
         image = spread(
-            features(samples(start), model.previous_frames.extract.network),
-            buffers["jitter"][:, start],
-            scale,
+            features(samples(start), model.previous_frames.extract.network), buffers["jitter"][:, start], scale
         )
         for m in range(start + 1, t + 1):
             image = back(image, buffers["motion"][:, m])

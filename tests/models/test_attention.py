@@ -2,13 +2,7 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from supersampling.models.blocks.attention import (
-    ChannelAttention,
-    ResidualAttention,
-    UShaped,
-    double,
-    halve,
-)
+from supersampling.models.blocks.attention import ChannelAttention, ResidualAttention, UShaped, double, halve
 from supersampling.models.blocks.gated import GatedConvolution
 
 

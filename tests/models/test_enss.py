@@ -85,10 +85,7 @@ def paper_step(model, color, depth, motion, jitter, history):
 
 @pytest.mark.parametrize(("scale", "h", "w"), [(2, 6, 5), (3, 3, 4)])
 def test_equals_transcription_of_paper_over_a_clip(scale, h, w):
-    model, buffers = (
-        enss(scale, confine=Clamp()).double(),
-        clip(frames=4, h=h, w=w, motion=0.2, dtype=torch.float64),
-    )
+    model, buffers = (enss(scale, confine=Clamp()).double(), clip(frames=4, h=h, w=w, motion=0.2, dtype=torch.float64))
     with torch.no_grad():
         model.network.kernels.mlp.layers[-1].weight.normal_(0.0, 0.2)  # so that the jitter matters
         outputs, state = run(model, buffers)
@@ -151,8 +148,7 @@ def test_parameters_with_the_mlp_and_without(size, scale):
     for override, count in kernels.items():
         with initialize_config_dir(str(CONF), version_base="1.3"):
             config = compose(
-                "train",
-                ["scene=atrium", "budget=enss", f"model=enss_{size}", f"task.scale={scale}", override],
+                "train", ["scene=atrium", "budget=enss", f"model=enss_{size}", f"task.scale={scale}", override]
             )
         with torch.device("meta"):
             assert sum(p.numel() for p in instantiate(config.model).parameters()) == count

@@ -91,8 +91,5 @@ def test_recipe_of_paper():
 
 def test_the_recipe_runs_on_another_budget():
     cfg = composed("experiment=nsrd", "budget=laptop")
-    assert (cfg.budget.epochs, cfg.loss._target_) == (
-        composed("budget=laptop").budget.epochs,
-        composed().loss._target_,
-    )
+    assert (cfg.budget.epochs, cfg.loss._target_) == (composed("budget=laptop").budget.epochs, composed().loss._target_)
     assert cfg.data.train.clips == 54

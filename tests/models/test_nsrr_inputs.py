@@ -40,12 +40,7 @@ def lit(frames=3, b=2, h=5, w=6, scale=2, dtype=torch.float32):
         return torch.rand(b, frames, channels, h * s, w * s, generator=g, dtype=dtype)
 
     buffers = clip(frames, b, h, w, dtype=dtype)
-    buffers |= {
-        "emission": rand(3) * 0.2,
-        "material": rand(3) * 0.9 + 0.1,
-        "albedo": rand(3),
-        "roughness": rand(1),
-    }
+    buffers |= {"emission": rand(3) * 0.2, "material": rand(3) * 0.9 + 0.1, "albedo": rand(3), "roughness": rand(1)}
     buffers["radiance"] = buffers["material"] * rand(3) * 4.0 + buffers["emission"]
     buffers["normal"] = torch.nn.functional.normalize(rand(3) - 0.5, dim=2)
     buffers |= {"target": rand(3, scale), "high_emission": rand(3, scale) * 0.2}

@@ -21,9 +21,7 @@ def test_blends_a_sample_into_history_by_alpha_beta():
     """One sample, scale 1, at the sample's distance from the pixel centre: eqs 39, 41, 42 in closed form."""
     model = tus(scale=1, sigma=0.8, alpha=0.5)
     frame = Frame(
-        color=torch.full((1, 3, 1, 1), 0.9),
-        motion=torch.zeros(1, 2, 1, 1),
-        jitter=torch.tensor([[0.3, -0.2]]),
+        color=torch.full((1, 3, 1, 1), 0.9), motion=torch.zeros(1, 2, 1, 1), jitter=torch.tensor([[0.3, -0.2]])
     )
     output, _ = model(frame, torch.full((1, 3, 1, 1), 0.1))
     weight = 0.5 * math.exp(-(0.3**2 + 0.2**2) / (2 * 0.8**2))
@@ -32,9 +30,7 @@ def test_blends_a_sample_into_history_by_alpha_beta():
 
 def test_the_first_frame_starts_from_the_aligned_input():
     frame = Frame(
-        color=torch.full((1, 3, 4, 4), 0.6),
-        motion=torch.zeros(1, 2, 4, 4),
-        jitter=torch.tensor([[0.25, 0.1]]),
+        color=torch.full((1, 3, 4, 4), 0.6), motion=torch.zeros(1, 2, 4, 4), jitter=torch.tensor([[0.25, 0.1]])
     )
     torch.testing.assert_close(tus()(frame, None)[0], torch.full((1, 3, 8, 8), 0.6))
 

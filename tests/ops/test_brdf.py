@@ -160,8 +160,7 @@ def test_material_clamps_n_dot_v_and_roughness():
     table = integrate_table(32, 64).double()
     outside = material(*surfaces((0.5, 0.2, 0.4, -0.3), (0.5, 0.2, 0.4, 1.7), (0.5, 0.2, 0.0, 0.6)), table=table)
     inside = material(
-        *surfaces((0.5, 0.2, 0.4, 0.5 / 32), (0.5, 0.2, 0.4, 31.5 / 32), (0.5, 0.2, MIN_ROUGHNESS, 0.6)),
-        table=table,
+        *surfaces((0.5, 0.2, 0.4, 0.5 / 32), (0.5, 0.2, 0.4, 31.5 / 32), (0.5, 0.2, MIN_ROUGHNESS, 0.6)), table=table
     )
     torch.testing.assert_close(outside, inside)
 

@@ -146,11 +146,7 @@ def test_convolution_is_the_product(monkeypatch):
 
 @pytest.mark.parametrize(
     ("flags", "expected"),
-    [
-        ("fpu avx512f avx512_bf16", {"bfloat16"}),
-        ("fpu amx_fp16 amx_bf16", {"bfloat16", "float16"}),
-        ("fpu", set()),
-    ],
+    [("fpu avx512f avx512_bf16", {"bfloat16"}), ("fpu amx_fp16 amx_bf16", {"bfloat16", "float16"}), ("fpu", set())],
 )
 def test_precisions_of_a_processor(monkeypatch, tmp_path, flags, expected):
     info = tmp_path / "cpuinfo"

@@ -3,14 +3,7 @@ import pytest
 from scipy.stats import qmc
 
 from supersampling.errors import UserError
-from supersampling.render.jitter import (
-    halton,
-    jitter_sequence,
-    mip_bias,
-    target_mip_bias,
-    thesis_2x2,
-    thesis_4x4,
-)
+from supersampling.render.jitter import halton, jitter_sequence, mip_bias, target_mip_bias, thesis_2x2, thesis_4x4
 
 
 def test_4x4_visits_every_target_pixel_centre_once():

@@ -209,11 +209,7 @@ def test_only_the_buffers_asked_for(sharp: Scene) -> None:
                 np.testing.assert_array_equal(some[name], every[name])
         with pytest.raises(UserError, match="96x64"):
             draw.low(shot, 5, (0.0, 0.0), 0.0, ALL)
-    assert {k: v.shape for k, v in every.items()} == {
-        "color": (32, 48, 3),
-        "depth": (32, 48, 1),
-        "motion": (32, 48, 2),
-    }
+    assert {k: v.shape for k, v in every.items()} == {"color": (32, 48, 3), "depth": (32, 48, 1), "motion": (32, 48, 2)}
     assert all(v.dtype == np.float32 for v in every.values())
 
 

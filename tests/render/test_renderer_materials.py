@@ -103,12 +103,7 @@ def test_the_target_keeps_its_mip_level_at_any_sample_count(noise: np.ndarray, s
 
 
 def _reflected(
-    albedo: np.ndarray,
-    roughness: float,
-    metallic: float,
-    normal: np.ndarray,
-    view: np.ndarray,
-    light: np.ndarray,
+    albedo: np.ndarray, roughness: float, metallic: float, normal: np.ndarray, view: np.ndarray, light: np.ndarray
 ) -> np.ndarray:
     """pi times the reflectance times the cosine: NSRD's supplement, equations 1 to 10."""
     half = (view + light) / np.linalg.norm(view + light, axis=-1, keepdims=True)
@@ -205,11 +200,7 @@ def test_a_moving_shadow_leaves_nothing_behind() -> None:
     points = [PointLight((0, 3, 0), (40, 40, 40), 12.0)]
     meshes = [_lid(0.5, 0.5), floor(4.0)]
     world = scene(
-        [Material("floor"), Material("lid")],
-        meshes,
-        [lambda t: shift(2.0 * t, 0, 0)],
-        sun=Sun(),
-        points=points,
+        [Material("floor"), Material("lid")], meshes, [lambda t: shift(2.0 * t, 0, 0)], sun=Sun(), points=points
     )
     with Renderer(world, 256) as draw:
         before = draw.low(still(view, window, 0.0), 1, (0, 0), 0.0, COLOR)["color"]

@@ -132,8 +132,7 @@ def test_a_negative_mip_bias_sharpens_and_matches_the_full_resolution() -> None:
         # A target's levels are those of its own pixels, however many samples it takes.
         fine = draw.target(shot, 2, 0.0)
         mean = np.mean(
-            [draw.low(shot, 1, (x, y), 0.0, color)["color"] for x in (-0.25, 0.25) for y in (-0.25, 0.25)],
-            axis=0,
+            [draw.low(shot, 1, (x, y), 0.0, color)["color"] for x in (-0.25, 0.25) for y in (-0.25, 0.25)], axis=0
         )
     assert spread[1] > 1.3 * spread[0]
     assert spread[2] > 1.3 * spread[1]

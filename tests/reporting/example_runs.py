@@ -12,13 +12,7 @@ def example_run(
     **params: Any,
 ) -> Run:
     """Return a finished 4x4 job; parameter names are written with ``__`` for a dot."""
-    base = {
-        "model": "dlctus",
-        "task.scale": "4",
-        "task.mip_bias": "matched",
-        "data": "laptop",
-        "data.scenes": "atrium",
-    }
+    base = {"model": "dlctus", "task.scale": "4", "task.mip_bias": "matched", "data": "laptop", "data.scenes": "atrium"}
     return Run(
         id=name,
         name=name,

@@ -82,12 +82,7 @@ def store(tmp_path: Path) -> tuple[Store, str, Log]:
 
     def log(status: str = "FINISHED", **more: object) -> str:
         row = SUMMARY | more
-        tags = {
-            "ss.kind": "advice",
-            "ss.scene": row["scene"],
-            "ss.space": row["space"],
-            "ss.machine": "a machine",
-        }
+        tags = {"ss.kind": "advice", "ss.scene": row["scene"], "ss.space": row["space"], "ss.machine": "a machine"}
         run = client.create_run(experiment, tags=tags).info.run_id
         client.log_table(run, pd.DataFrame([row]), "summary.json")
         client.log_table(run, pd.DataFrame(PARTS), "contributions.json")
@@ -116,17 +111,7 @@ def test_the_newest_of_each_scene_and_space(store: tuple[Store, str, Log]) -> No
     answers, saved, parts = sheets(files, experiment)
     assert texts(answers) == [
         ["bar", "nsrd", "mask=none, previous=1", "+0.03", "0.1", "120×68", "12.3", "20.0", "0"],
-        [
-            "sundial",
-            "nsrd",
-            "mask=none, previous=1",
-            "+0.03 (−0.02 to +0.08)",
-            "0.1",
-            "120×68",
-            "12.3",
-            "20.0",
-            "2",
-        ],
+        ["sundial", "nsrd", "mask=none, previous=1", "+0.03 (−0.02 to +0.08)", "0.1", "120×68", "12.3", "20.0", "2"],
     ]
     assert texts(saved)[1] == [
         "sundial",

@@ -188,10 +188,7 @@ def test_less_by_a_factor_requires_the_factor(late_ms: float, verdict: str) -> N
 
 def test_each_step_over_the_task_uses_its_own_data_set() -> None:
     steps = [Series(f"{n}×{n}", {"task.scale": str(n)}) for n in (2, 4)]
-    runs = [
-        run("two", dataset="bbbb", task__scale=2, data__train__window="192"),
-        run("four", data__train__window="96"),
-    ]
+    runs = [run("two", dataset="bbbb", task__scale=2, data__train__window="192"), run("four", data__train__window="96")]
     result = judged(claim("falls", steps=steps), runs, {"two": clips(5.0), "four": clips(0.0)})
     assert result.verdict == "reproduced"
     assert str(result.selected.setting).startswith("2×2 and 4×4")

@@ -39,14 +39,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, dict[str, str]
     client = MlflowClient(uri)
     experiment = client.create_experiment("supersampling", (folder / "artifacts").as_uri())
     ids = {}
-    for name, gain in (
-        ("s0", 0.9),
-        ("s1", 1.0),
-        ("s2", 1.1),
-        ("tus", 0.0),
-        ("evaluation", 0.5),
-        ("failed", 9.0),
-    ):
+    for name, gain in (("s0", 0.9), ("s1", 1.0), ("s2", 1.1), ("tus", 0.0), ("evaluation", 0.5), ("failed", 9.0)):
         params = TRAINED | {"seed": name[1]} if name[0] == "s" else TASK | {"model": "tus"}
         tags = {"ss.kind": "job", "ss.identity": name, "ss.dataset": "4e12aaaa", "ss.method": params["model"]}
         if name == "evaluation":  # its parameters are those of the training, on other data

@@ -100,10 +100,7 @@ def test_an_evaluation_is_found_by_its_id_alone():
     with pytest.raises(UserError, match="No finished run or method is called a=tus: use a run's id"):
         find_groups([evaluation], "a", "tus")
     printed = text(
-        A,
-        alone := Group(A.setting, [evaluation]),
-        compare(A, alone, more := tables() | {"e5a1": tables()["t0"]}),
-        more,
+        A, alone := Group(A.setting, [evaluation]), compare(A, alone, more := tables() | {"e5a1": tables()["t0"]}), more
     )
     assert "b: tus, not trained, evaluation e5a1" in printed
 

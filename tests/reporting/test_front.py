@@ -115,12 +115,7 @@ def test_independent_errors_add_in_quadrature():
 
 
 def test_times_of_different_places_stay_separate():
-    timings = [
-        timing(1.0),
-        timing(2.0, backend="compile"),
-        timing(3.0, threads=1),
-        timing(4.0, width=1280, height=720),
-    ]
+    timings = [timing(1.0), timing(2.0, backend="compile"), timing(3.0, threads=1), timing(4.0, width=1280, height=720)]
     first, *rest = places(timings)
     assert first == Place.of(timings[0])
     assert len(rest) == 2

@@ -31,11 +31,7 @@ def frames(level: float) -> pd.DataFrame:
 
 FRAMES = {example.id: frames(20.0 + index) for index, example in enumerate(RUNS)}
 CLIPS = {name: table.groupby(["scene", "clip"])["psnr"].mean().reset_index() for name, table in FRAMES.items()}
-BOTH = [
-    Series("NSRR", {"model": "nsrr"}),
-    Series("DLCTUS", {"model": "dlctus"}),
-    Series("none", {"model": "edsr"}),
-]
+BOTH = [Series("NSRR", {"model": "nsrr"}), Series("DLCTUS", {"model": "dlctus"}), Series("none", {"model": "edsr"})]
 
 
 def figure(kind: str, x: str | None = None, series: list[Series] = BOTH) -> PublishedFigure:
@@ -78,13 +74,7 @@ def test_frames_are_means_over_clips() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "x"),
-    [
-        ("box", None),
-        ("bars", None),
-        ("curve", "frame"),
-        ("curve", "model.previous"),
-        ("front", "model/parameters"),
-    ],
+    [("box", None), ("bars", None), ("curve", "frame"), ("curve", "model.previous"), ("front", "model/parameters")],
 )
 def test_every_kind_is_drawn_the_same_twice_and_says_what_is_missing(tmp_path: Path, kind: str, x: str | None) -> None:
     result = choose_example(figure(kind, x))

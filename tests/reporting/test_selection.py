@@ -94,10 +94,7 @@ def test_what_belongs_to_a_swept_parameter_may_differ() -> None:
         run("5", model__reproject="bicubic5", model__reproject__a=-0.5),
     ]
     cells = {name: {"model.reproject": f"bicubic{name}"} for name in ("9", "5")}
-    assert {key: names(members) for key, members in choose_runs(runs, cells).cells.items()} == {
-        "9": ["9"],
-        "5": ["5"],
-    }
+    assert {key: names(members) for key, members in choose_runs(runs, cells).cells.items()} == {"9": ["9"], "5": ["5"]}
 
 
 def test_the_newest_run_of_a_seed_counts_once() -> None:

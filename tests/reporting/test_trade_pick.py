@@ -46,12 +46,7 @@ def test_time_limit(configure: Configure, capsys: pytest.CaptureFixture[str]) ->
 
 @pytest.mark.parametrize(
     ("db", "selected"),
-    [
-        (0.0, "float32, 180 ms"),
-        (0.3, "float32, 180 ms"),
-        (0.36, "float32, 180 ms"),
-        (0.6, "int8, 120 ms"),
-    ],
+    [(0.0, "float32, 180 ms"), (0.3, "float32, 180 ms"), (0.36, "float32, 180 ms"), (0.6, "int8, 120 ms")],
 )
 def test_quality_limit_counts_the_loss_of_int8(
     configure: Configure, capsys: pytest.CaptureFixture[str], db: float, selected: str

@@ -60,10 +60,7 @@ def test_what_a_training_writes_is_all_that_it_takes(configure, make_file, tmp_p
     cfg = configure("evaluate", f"checkpoint={path}")
     method = method_of(cfg)
     assert same(trained, method.model)
-    assert (method.name, method.parameters) == (
-        "dlctus model/accumulate=none".replace("model/", ""),
-        {"seed": "0"},
-    )
+    assert (method.name, method.parameters) == ("dlctus model/accumulate=none".replace("model/", ""), {"seed": "0"})
     assert (method.origin["run"], method.origin["identity"]) == (run_id, "abc")
     assert cfg.task.mip_bias == "sharp"
 

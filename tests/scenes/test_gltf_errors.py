@@ -29,11 +29,7 @@ def test_what_is_no_gltf_file(tmp_path: Path) -> None:
         ("list.gltf", b"[1, 2]", "no asset"),
         ("empty.glb", b"", "its JSON is invalid"),
         ("shapes.gltf", b'{"asset": {"version": "2.0"}, "nodes": [7]}', "not a valid glTF 2.0 file"),
-        (
-            "words.gltf",
-            b'{"asset": {"version": "2.0"}, "nodes": [{"mesh": "chair"}]}',
-            "not a valid glTF 2.0 file",
-        ),
+        ("words.gltf", b'{"asset": {"version": "2.0"}, "nodes": [{"mesh": "chair"}]}', "not a valid glTF 2.0 file"),
         ("deep.gltf", b'{"asset": {"version": "2.0"}, "extras": ' + b"[" * 100000, "its JSON is invalid"),
     ):
         (tmp_path / name).write_bytes(content)

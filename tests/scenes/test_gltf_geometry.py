@@ -188,8 +188,7 @@ def test_primitives_of_one_large_buffer_keep_only_their_vertices(tmp_path: Path)
     file = Builder()
     file.node(
         mesh=file.mesh(
-            {"POSITION": file.accessor(points), "NORMAL": file.accessor(points)},
-            indices=file.accessor(picked, "u2"),
+            {"POSITION": file.accessor(points), "NORMAL": file.accessor(points)}, indices=file.accessor(picked, "u2")
         )
     )
     mesh = only_mesh(file, tmp_path)

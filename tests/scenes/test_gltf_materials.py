@@ -158,10 +158,7 @@ def test_an_emissive_map_with_other_coordinates_takes_the_emission_with_it(tmp_p
 
 def test_unlit_shows_its_colour_and_nothing_else(tmp_path: Path) -> None:
     file = Builder()
-    pbr = {
-        "baseColorFactor": [0.5, 0.5, 0.5, 1.0],
-        "baseColorTexture": {"index": file.texture(CHECKS[..., :3])},
-    }
+    pbr = {"baseColorFactor": [0.5, 0.5, 0.5, 1.0], "baseColorTexture": {"index": file.texture(CHECKS[..., :3])}}
     made = material_of(file, tmp_path, pbrMetallicRoughness=pbr, extensions={"KHR_materials_unlit": {}})
     np.testing.assert_allclose(emission_of(made), 0.5 * linear(CHECKS[..., :3]), atol=1e-6)
     assert made.base_color == (0.0, 0.0, 0.0)
@@ -203,11 +200,7 @@ def test_maps_with_other_coordinates_are_left_out_with_a_warning(tmp_path: Path)
 
 def test_credit_comes_from_the_file(tmp_path: Path) -> None:
     file = Builder()
-    file.json["asset"] |= {
-        "copyright": "2017 Somebody",
-        "generator": "Some tool",
-        "extras": {"license": "CC0"},
-    }
+    file.json["asset"] |= {"copyright": "2017 Somebody", "generator": "Some tool", "extras": {"license": "CC0"}}
     scene = scene_with(file, tmp_path)
     for part in ("2017 Somebody", "Some tool", "CC0"):
         assert part in scene.attribution

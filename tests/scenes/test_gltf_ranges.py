@@ -50,11 +50,7 @@ def test_indices_out_of_range(tmp_path: Path) -> None:
     file = Builder()
     file.node(mesh=file.mesh({"POSITION": file.accessor(SQUARE)}, indices=file.accessor([0, 1, 4], "u1")))
     check_error(file.glb(tmp_path / "a.glb"), "reach vertex 4 of 4")
-    for kind, item in (
-        ("meshes", {"mesh": 7}),
-        ("nodes", {"children": [7]}),
-        ("cameras", {"mesh": 0, "camera": 7}),
-    ):
+    for kind, item in (("meshes", {"mesh": 7}), ("nodes", {"children": [7]}), ("cameras", {"mesh": 0, "camera": 7})):
         file = square_file()
         file.node(**item)
         check_error(file.glb(tmp_path / "a.glb"), rf"{kind}\[7\]")

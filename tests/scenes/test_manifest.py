@@ -68,13 +68,7 @@ def test_scene_without_manifest_is_reported(name):
 
 def test_measures_have_three_digits_and_the_rest_of_the_text_stays():
     head = "title: A box   # a note\nabout: >-\n  One box.\n  It turns.\nshows:\n  moire: absent\n"
-    values = {
-        **EVEN,
-        "speed_95": 123.456,
-        "speed_median": 0.0000123456,
-        "thin_pixels": 0.0,
-        "moire_pixels": None,
-    }
+    values = {**EVEN, "speed_95": 123.456, "speed_median": 0.0000123456, "thin_pixels": 0.0, "moire_pixels": None}
     for before in (head, head + "measured:\n  speed_95: 1\n\n  thin_pixels: 2\n", with_measured(head, EVEN)):
         after = with_measured(before, values)
         assert after.startswith(head + "measured:\n")

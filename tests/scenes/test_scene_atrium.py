@@ -109,15 +109,7 @@ def test_some_movers_cross_several_pixels_a_frame(scene: Scene) -> None:
 def _surface_points(scene: Scene) -> np.ndarray:
     """Return the vertices of the static objects, and points inside their large triangles."""
     points = []
-    weights = [
-        (1, 0, 0),
-        (0, 1, 0),
-        (0, 0, 1),
-        (0.5, 0.5, 0),
-        (0, 0.5, 0.5),
-        (0.5, 0, 0.5),
-        (1 / 3, 1 / 3, 1 / 3),
-    ]
+    weights = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0.5, 0), (0, 0.5, 0.5), (0.5, 0, 0.5), (1 / 3, 1 / 3, 1 / 3)]
     for m in scene.objects[0].meshes:
         corners = scene.meshes[m].positions[scene.meshes[m].triangles]
         points += [np.tensordot(corners, w, axes=([1], [0])) for w in weights]

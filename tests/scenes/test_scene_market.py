@@ -9,19 +9,7 @@ from supersampling.scenes.market.textures import fan_cobbles
 from supersampling.scenes.scene import Scene
 
 # Words in the names of the materials that carry print.
-_PRINT = (
-    "newspaper",
-    "bill",
-    "shop",
-    "sign",
-    "tags",
-    "slate",
-    "covers",
-    "spines",
-    "crate",
-    "by-laws",
-    "frieze",
-)
+_PRINT = ("newspaper", "bill", "shop", "sign", "tags", "slate", "covers", "spines", "crate", "by-laws", "frieze")
 
 
 @pytest.fixture(scope="module")
@@ -56,10 +44,7 @@ def test_print_is_fine(scene: Scene) -> None:
         mesh, material = scene.meshes[m], scene.materials[scene.meshes[m].material]
         if material.name.startswith("newspaper"):
             assert material.albedo is not None
-            p, uv = (
-                mesh.positions[mesh.triangles].astype(np.float64),
-                mesh.uv[mesh.triangles].astype(np.float64),
-            )
+            p, uv = (mesh.positions[mesh.triangles].astype(np.float64), mesh.uv[mesh.triangles].astype(np.float64))
             a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
             texels = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() * material.albedo[..., 0].size
             metres = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum()

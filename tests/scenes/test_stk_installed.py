@@ -6,10 +6,7 @@ import pytest
 from supersampling.scenes.scene import Scene
 from supersampling.scenes.stk import available_tracks, find_data, load_track
 
-pytestmark = [
-    pytest.mark.stk,
-    pytest.mark.skipif(find_data() is None, reason="SuperTuxKart's data are not installed"),
-]
+pytestmark = [pytest.mark.stk, pytest.mark.skipif(find_data() is None, reason="SuperTuxKart's data are not installed")]
 
 
 @pytest.fixture(scope="module")

@@ -44,11 +44,7 @@ def test_every_combination_of_fields_comes_back_as_it_was_written(
     indices = [0, 1, 2, 3, 4, 5, 6, 0, 5]
     # Two buffers, so that one that ends in the wrong place spoils the next.
     data = spm_bytes(
-        [(vertices, indices, textures)] * 2,
-        normals=normals,
-        colors=colors,
-        tangents=tangents,
-        skinned=skinned,
+        [(vertices, indices, textures)] * 2, normals=normals, colors=colors, tangents=tangents, skinned=skinned
     )
     buffers = read_spm(written(tmp_path, data))
     assert len(buffers) == 2

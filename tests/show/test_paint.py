@@ -81,11 +81,7 @@ def test_stop_doubles():
 
 
 def test_normal_towards_the_camera_is_the_usual_blue():
-    assert paint.normal(np.array([0, 0, 1], dtype=np.float32)[:, None, None])[0, 0].tolist() == [
-        128,
-        128,
-        255,
-    ]
+    assert paint.normal(np.array([0, 0, 1], dtype=np.float32)[:, None, None])[0, 0].tolist() == [128, 128, 255]
 
 
 def test_mask_is_red_and_other_pixels_are_not():

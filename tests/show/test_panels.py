@@ -11,13 +11,7 @@ from supersampling.show.clip import ClipView
 from supersampling.show.panels import buffer_panel, jitter_panel, sections
 from supersampling.show.scales import Scales, depth_range, exposure
 
-DERIVED = {
-    "lighting",
-    "disocclusion mask",
-    "previous target, warped",
-    "|warped - target|",
-    "|previous - target|",
-}
+DERIVED = {"lighting", "disocclusion mask", "previous target, warped", "|warped - target|", "|previous - target|"}
 PLAIN = Scales(stops=0, nearest=0.0, farthest=1.0, motion=1.0)
 
 

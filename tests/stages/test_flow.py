@@ -5,14 +5,7 @@ import torchvision
 
 from supersampling.errors import UserError
 from supersampling.frames import Frame
-from supersampling.stages.flow import (
-    RAFT,
-    TVL1,
-    JitteredMotionVectors,
-    MotionVectors,
-    NoFlow,
-    compensate_jitter,
-)
+from supersampling.stages.flow import RAFT, TVL1, JitteredMotionVectors, MotionVectors, NoFlow, compensate_jitter
 
 
 def scene(x, y):
@@ -30,11 +23,7 @@ def shot(shift, jitter, h=40, w=48):
 def test_compensation_finds_the_unjittered_motion_of_a_moved_plane():
     """The position of a sample's point in the previous image, computed from positions on the plane."""
     h, w = 3, 5
-    jitter, previous, velocity = (
-        torch.tensor([[0.3, -0.2]]),
-        torch.tensor([[-0.4, 0.1]]),
-        torch.tensor([1.5, -0.75]),
-    )
+    jitter, previous, velocity = (torch.tensor([[0.3, -0.2]]), torch.tensor([[-0.4, 0.1]]), torch.tensor([1.5, -0.75]))
     jittered = torch.empty(1, 2, h, w)
     for i in range(h):
         for j in range(w):

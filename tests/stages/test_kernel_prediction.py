@@ -3,14 +3,7 @@ import torch
 import torch.nn.functional as F
 
 from supersampling.errors import UserError
-from supersampling.stages.kernel_prediction import (
-    FirstAndLast,
-    FirstOnly,
-    KernelMLP,
-    LastOnly,
-    NoPrediction,
-    convolve,
-)
+from supersampling.stages.kernel_prediction import FirstAndLast, FirstOnly, KernelMLP, LastOnly, NoPrediction, convolve
 
 FIRST, LAST = torch.randn(4, 7, 3, 3), torch.randn(6, 4, 3, 3)
 MLP = {"width": 16, "layers": 3}

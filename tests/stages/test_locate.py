@@ -85,10 +85,7 @@ def test_unlocated_samples_are_displaced(before):
 def test_whole_steps_of_samples_are_followed_exactly():
     """Motion and jitter that move a sample exactly onto another one: nothing is interpolated."""
     x, y = centres()
-    now = Frame(
-        motion=torch.full((1, 2, H, W), 0.0, dtype=torch.float64),
-        jitter=torch.tensor([[0.25, -0.5]]).double(),
-    )
+    now = Frame(motion=torch.full((1, 2, H, W), 0.0, dtype=torch.float64), jitter=torch.tensor([[0.25, -0.5]]).double())
     now.motion[:, 0], now.motion[:, 1] = -1.75 / W, 2.5 / H
     before = torch.tensor([[0.5, 0.0]]).double()
     vectors = LocatedByJitter().between_samples(now.motion, now, (before,))

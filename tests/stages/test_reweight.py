@@ -51,10 +51,7 @@ def test_published_widths(previous, parameters):
 def test_gradients():
     torch.manual_seed(1)
     stage = LearnedWeights(2, width=3).double()
-    inputs = (
-        torch.rand(1, 5, 2, 3).double().requires_grad_(),
-        torch.rand(1, 2, 5, 2, 3).double().requires_grad_(),
-    )
+    inputs = (torch.rand(1, 5, 2, 3).double().requires_grad_(), torch.rand(1, 2, 5, 2, 3).double().requires_grad_())
     assert torch.autograd.gradcheck(stage, inputs)
 
 

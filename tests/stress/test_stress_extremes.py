@@ -125,8 +125,7 @@ def test_depths():
 
 
 @pytest.mark.parametrize(
-    ("name", "x", "y"),
-    [("zero", 0, 0), ("half a pixel", 0.5, 0.5), ("one pixel", 1, 1), ("many screens", 800, -480)],
+    ("name", "x", "y"), [("zero", 0, 0), ("half a pixel", 0.5, 0.5), ("one pixel", 1, 1), ("many screens", 800, -480)]
 )
 def test_motions(name, x, y):
     motion = changed_clip(f"motion/{name}")["motion"]

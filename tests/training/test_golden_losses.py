@@ -67,11 +67,7 @@ def frame(t):
     fine = surface(h * SCALE, w * SCALE, torch.zeros_like(jitter))
     motion = -velocity[:, :, None, None] + 0.01 * (waves(sample, t, 20, 2) - 0.5)
     light, material, emission = (0, 3), (6, 3), (9, 3)
-    buffers = {
-        "jitter": jitter,
-        "motion": motion,
-        "motion_dual": motion + 0.04 * waves(sample, t, 22, 2) - 0.02,
-    }
+    buffers = {"jitter": jitter, "motion": motion, "motion_dual": motion + 0.04 * waves(sample, t, 22, 2) - 0.02}
     buffers["depth"] = waves(sample, t, 12, 1)
     buffers["normal"] = F.normalize(waves(sample, t, 13, 3) - 0.4, dim=1)
     buffers["color"] = waves(sample, t, *light)

@@ -32,13 +32,7 @@ def begin(root, files, *sweep):
         "trainer.enable_progress_bar=false",
         f"paths.root={root}",
     ]
-    command = [
-        sys.executable,
-        "train.py",
-        "-m",
-        *settings,
-        *(sweep or ("model=dlctus", "loss.theta=0.1,0.5")),
-    ]
+    command = [sys.executable, "train.py", "-m", *settings, *(sweep or ("model=dlctus", "loss.theta=0.1,0.5"))]
     environment = {**os.environ, "MLFLOW_TRACKING_URI": f"sqlite:///{root}/mlflow.db"}
     return subprocess.Popen(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE, text=True)
 

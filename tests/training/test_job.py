@@ -35,13 +35,7 @@ def configure():
         with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
             cfg = compose(
                 "train",
-                [
-                    "scene=atrium",
-                    "budget=smoke",
-                    "workers=0",
-                    "trainer.enable_progress_bar=false",
-                    *overrides,
-                ],
+                ["scene=atrium", "budget=smoke", "workers=0", "trainer.enable_progress_bar=false", *overrides],
                 return_hydra_config=True,
             )
         choices = dict(cfg.hydra.runtime.choices)

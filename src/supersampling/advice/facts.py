@@ -97,10 +97,7 @@ class Measurement:
 
 MEASUREMENTS = {
     "largest_motion": Measurement(
-        buffers=("motion",),
-        frames=_largest_motion,
-        combine=np.max,
-        about="largest motion, target pixels per frame",
+        buffers=("motion",), frames=_largest_motion, combine=np.max, about="largest motion, target pixels per frame"
     ),
     "standing_pixels": Measurement(
         buffers=("motion",),
@@ -114,12 +111,7 @@ MEASUREMENTS = {
         combine=np.mean,
         about="share of rendered frames that differ from the previous one",
     ),
-    "jitters": Measurement(
-        buffers=("jitter",),
-        frames=_jitters,
-        combine=np.max,
-        about="different jitters in a clip",
-    ),
+    "jitters": Measurement(buffers=("jitter",), frames=_jitters, combine=np.max, about="different jitters in a clip"),
     "dual_pixels": Measurement(
         buffers=("motion", "motion_dual"),
         frames=_dual,
@@ -138,12 +130,7 @@ MEASUREMENTS = {
         combine=np.mean,
         about="share of rendered pixels within which the material varies by more than 2%",
     ),
-    "sky_pixels": Measurement(
-        buffers=("depth",),
-        frames=_sky,
-        combine=np.mean,
-        about="share of sky pixels",
-    ),
+    "sky_pixels": Measurement(buffers=("depth",), frames=_sky, combine=np.mean, about="share of sky pixels"),
     "glossy_pixels": Measurement(
         buffers=("roughness", "depth"),
         frames=_glossy,

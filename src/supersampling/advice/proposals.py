@@ -32,10 +32,7 @@ def propose(space: Space, trials: int, storage: Path, name: str, evaluate: Evalu
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     storage.parent.mkdir(parents=True, exist_ok=True)
     study = optuna.create_study(
-        study_name=name,
-        storage=f"sqlite:///{storage}",
-        directions=["maximize", "minimize"],
-        load_if_exists=True,
+        study_name=name, storage=f"sqlite:///{storage}", directions=["maximize", "minimize"], load_if_exists=True
     )
     remaining = trials - sum(trial.state.is_finished() for trial in study.trials)
     for _ in range(max(remaining, 0)):

@@ -118,10 +118,7 @@ def search(question: Question) -> SearchResult:
 
 def _trainings(question: Question, compositions: Sequence[ModelComposition]) -> Trainings:
     return Trainings(
-        compositions=compositions,
-        rungs=question.settings.rungs,
-        files=question.files,
-        experiment=question.experiment,
+        compositions=compositions, rungs=question.settings.rungs, files=question.files, experiment=question.experiment
     )
 
 
@@ -146,13 +143,7 @@ def _estimate_pruned(question: Question, answer: ModelComposition) -> list[Contr
     unknown = Estimate(math.nan, math.nan, math.nan, 0)
     return [
         Contribution(
-            switch=switch.name,
-            part=part,
-            without=without,
-            rung=0,
-            pairs=0,
-            db=unknown,
-            ms=cost.ms - plain_cost.ms,
+            switch=switch.name, part=part, without=without, rung=0, pairs=0, db=unknown, ms=cost.ms - plain_cost.ms
         )
         for (switch, part, without), cost in zip(pruned, costs)
         if part != without

@@ -55,11 +55,7 @@ def evaluate(cfg: DictConfig) -> None:
     sanity = score_sanity(cfg, files, experiment)
     scores = result.evaluate(method.model, metrics, instantiate(cfg.protocol), files)
     _print_table(method.name, scores, sanity)
-    run_tags = {
-        tags.KIND: "evaluation",
-        tags.DATASET: fingerprint(files, ["target"]),
-        tags.METHOD: method.name,
-    }
+    run_tags = {tags.KIND: "evaluation", tags.DATASET: fingerprint(files, ["target"]), tags.METHOD: method.name}
     run_id = experiment.start(f"evaluate {method.name}", run_tags, None)
     experiment.log_params(run_id, {**method.parameters, **protocol_parameters(cfg)})
     log_result(experiment, run_id, scores, {})

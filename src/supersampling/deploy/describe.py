@@ -44,11 +44,7 @@ def write(
 
 
 def describe(
-    model: Upsampler,
-    graphs: Graphs,
-    files: tuple[str, str],
-    jitter: Mapping[str, Any],
-    origin: Mapping[str, Any],
+    model: Upsampler, graphs: Graphs, files: tuple[str, str], jitter: Mapping[str, Any], origin: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return names, shapes, units and conventions of exported graphs as plain values for JSON.
 

@@ -67,13 +67,7 @@ class Blending(Upsampler[Tensor], ABC):
     """
 
     def __init__(
-        self,
-        scale: int,
-        reproject: Reproject,
-        dilate: Dilate,
-        pad: Pad,
-        accumulate: Accumulate,
-        confine: Confine,
+        self, scale: int, reproject: Reproject, dilate: Dilate, pad: Pad, accumulate: Accumulate, confine: Confine
     ) -> None:
         super().__init__()
         self.scale = check_scale(scale)
@@ -185,12 +179,7 @@ class DLCTUSForInference(Blending):
         plain = model.network.down
         # The order of pixel_unshuffle: channel, row, column.
         self.down: nn.Conv2d = nn.utils.skip_init(
-            nn.Conv2d,
-            plain.in_channels * STRIDE**2,
-            WIDTH,
-            1,
-            device=plain.weight.device,
-            dtype=plain.weight.dtype,
+            nn.Conv2d, plain.in_channels * STRIDE**2, WIDTH, 1, device=plain.weight.device, dtype=plain.weight.dtype
         )
         self.down.load_state_dict({"weight": plain.weight.reshape(WIDTH, -1, 1, 1), "bias": plain.bias})
         self.blocks = model.network.blocks

@@ -82,13 +82,7 @@ class PreviousFrames(Previous):
     requires = frozenset({"motion"})
 
     def __init__(
-        self,
-        previous: int,
-        scale: int,
-        extract: Extract,
-        reweight: Reweight,
-        warp_at: WarpAt,
-        upsample: Upsample,
+        self, previous: int, scale: int, extract: Extract, reweight: Reweight, warp_at: WarpAt, upsample: Upsample
     ) -> None:
         super().__init__()
         self.previous, self.scale = previous, scale

@@ -8,12 +8,7 @@ from torch import Tensor
 from supersampling.errors import UserError
 from supersampling.frames import Frame
 from supersampling.models.base import Upsampler
-from supersampling.ops.resample import (
-    check_scale,
-    gaussian_upsample,
-    jitter_aligned_upsample,
-    upsample_motion,
-)
+from supersampling.ops.resample import check_scale, gaussian_upsample, jitter_aligned_upsample, upsample_motion
 from supersampling.stages.dilate import Dilate
 from supersampling.stages.gate import Gate, setting_at
 from supersampling.stages.pad import Pad
@@ -43,14 +38,7 @@ class TUS(Upsampler[Tensor]):
     )
 
     def __init__(
-        self,
-        scale: int,
-        sigma: float,
-        alpha: float,
-        reproject: Reproject,
-        rectify: Rectify,
-        dilate: Dilate,
-        pad: Pad,
+        self, scale: int, sigma: float, alpha: float, reproject: Reproject, rectify: Rectify, dilate: Dilate, pad: Pad
     ) -> None:
         super().__init__()
         if not sigma > 0.0:

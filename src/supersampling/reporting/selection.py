@@ -68,10 +68,7 @@ def _across_tasks(choice: Choice) -> list[tuple[Setting, list[Run]]]:
         task = tuple(sorted(item for item in runs[0].params.items() if item[0].startswith("task.")))
         groups[setting.data, setting.scenes].setdefault(task, setting)
     return [
-        (
-            _joined(list(members.values())),
-            [run for setting in members.values() for run in choice.pools[setting]],
-        )
+        (_joined(list(members.values())), [run for setting in members.values() for run in choice.pools[setting]])
         for members in groups.values()
     ]
 

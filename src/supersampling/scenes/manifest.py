@@ -136,10 +136,7 @@ def parse(text: str, name: str) -> Manifest:
         if not isinstance(data[key], str) or not data[key].strip():
             raise UserError(f"Invalid {key}={data[key]} in {name}.yaml: write a sentence.")
     return Manifest(
-        data["title"].strip(),
-        data["about"].strip(),
-        _shows(data["shows"], name),
-        _measured(data.get("measured"), name),
+        data["title"].strip(), data["about"].strip(), _shows(data["shows"], name), _measured(data.get("measured"), name)
     )
 
 
@@ -181,11 +178,7 @@ def contradictions(manifest: Manifest) -> list[str]:
         level, value = manifest.shows[feature], manifest.measured.get(bound.measure)
         if value is None:
             continue
-        agrees = {
-            "absent": value <= bound.absent,
-            "present": value > bound.absent,
-            "dominant": value >= bound.dominant,
-        }
+        agrees = {"absent": value <= bound.absent, "present": value > bound.absent, "dominant": value >= bound.dominant}
         if not agrees[level]:
             sentences.append(
                 f"{feature} is called {level}, but {bound.measure} is {value:g} "

@@ -118,11 +118,7 @@ def warp_panels(clip: ClipView, frame: int, full: float | None = None) -> list[P
     full = full or error_scale(check.still_error)
     scale = f"bright at {255 * full:.0f}/255"
     return [
-        Panel(
-            "previous target, warped",
-            "carried to this frame by its motion vectors",
-            paint.colour(check.warped),
-        ),
+        Panel("previous target, warped", "carried to this frame by its motion vectors", paint.colour(check.warped)),
         Panel(
             "|warped - target|",
             f"mean {255 * check.mean:.2f}/255; {scale}; blue: out of the previous image",

@@ -6,13 +6,7 @@ from typing import final
 
 from torch import Tensor, nn
 
-from supersampling.ops.interpolate import (
-    TORCH_CUBIC,
-    check_cubic,
-    sample_bicubic5,
-    sample_bicubic9,
-    sample_bilinear,
-)
+from supersampling.ops.interpolate import TORCH_CUBIC, check_cubic, sample_bicubic5, sample_bicubic9, sample_bilinear
 from supersampling.ops.warp import warp
 
 

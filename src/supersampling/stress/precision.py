@@ -52,16 +52,10 @@ BFLOAT16 = Precision(
     "each frame: 4 steps in the mean, and 8 times as much in single pixels.",
 )
 FLOAT16 = Precision(
-    name="float16",
-    largest=4 * STEP,
-    mean=STEP / 2,
-    reason="11 digits, an eighth of bfloat16's rounding.",
+    name="float16", largest=4 * STEP, mean=STEP / 2, reason="11 digits, an eighth of bfloat16's rounding."
 )
 INT8 = Precision(
-    name="int8",
-    largest=64 * STEP,
-    mean=8 * STEP,
-    reason="7 digits and a sign, twice bfloat16's rounding.",
+    name="int8", largest=64 * STEP, mean=8 * STEP, reason="7 digits and a sign, twice bfloat16's rounding."
 )
 PRECISIONS = {precision.name: precision for precision in (FLOAT32, BFLOAT16, FLOAT16, INT8)}
 

@@ -59,11 +59,7 @@ def split_frames(clip: Clip) -> Iterator[Clip]:
 
 @torch.no_grad()
 def roll(
-    model: Upsampler,
-    frames: Iterable[Clip],
-    dtype: torch.dtype,
-    device: str,
-    precision: Precision | None = None,
+    model: Upsampler, frames: Iterable[Clip], dtype: torch.dtype, device: str, precision: Precision | None = None
 ) -> Iterator[tuple[Tensor, bool]]:
     """Yield each output in the method's own domain, and whether the displayed image is finite."""
     state: Any = None

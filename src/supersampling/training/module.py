@@ -35,12 +35,7 @@ def checkpoints(folder: Path) -> ModelCheckpoint:
     ``save_last`` without ``save_top_k`` would not do: Lightning then writes one checkpoint, when the training ends.
     """
     return ModelCheckpoint(
-        folder,
-        "last",
-        save_top_k=1,
-        every_n_epochs=1,
-        save_on_train_epoch_end=True,
-        enable_version_counter=False,
+        folder, "last", save_top_k=1, every_n_epochs=1, save_on_train_epoch_end=True, enable_version_counter=False
     )
 
 
@@ -75,12 +70,7 @@ class Training(L.LightningModule):
     """
 
     def __init__(
-        self,
-        model: Upsampler,
-        loss: Loss,
-        optimizer: OptimizerFactory,
-        scheduler: SchedulerFactory,
-        counted: int,
+        self, model: Upsampler, loss: Loss, optimizer: OptimizerFactory, scheduler: SchedulerFactory, counted: int
     ) -> None:
         super().__init__()
         self.model = model

@@ -130,8 +130,7 @@ class ImportedFile:
             frames = len(self._file.waiting()) * self.spec.frames
             with tqdm(total=frames, unit="frame", desc=self._label, delay=1.0) as bar:
                 self._file.work(
-                    lambda clip, writer, names: self._read(clip, writer, names, bar.update),
-                    self._attributes(),
+                    lambda clip, writer, names: self._read(clip, writer, names, bar.update), self._attributes()
                 )
             if self._file.missing():
                 time.sleep(_POLL)

@@ -23,10 +23,7 @@ STILL = "still"
 
 
 def mean_errors(
-    pairs: Sequence[Pair],
-    used: Convention,
-    candidates: Sequence[Convention],
-    unit: tuple[float, float] = (1.0, 1.0),
+    pairs: Sequence[Pair], used: Convention, candidates: Sequence[Convention], unit: tuple[float, float] = (1.0, 1.0)
 ) -> dict[str, float]:
     """Return the mean absolute difference by convention and for `STILL`, over moving pixels that come from inside the
     image.

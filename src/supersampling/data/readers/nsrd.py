@@ -150,10 +150,7 @@ class NsrdClip(CaptureClip):
         """Return the target's radiance and its parts, as NSRD remodulates them."""
         irradiance, brdf, emission = (np.maximum(read_exr(paths[n], self.size, ("RGB",)), 0.0) for n in HIGH)
         emissive = emission > EMISSIVE
-        material, emission = (
-            np.where(emissive, np.float32(0.0), brdf),
-            np.where(emissive, emission, np.float32(0.0)),
-        )
+        material, emission = (np.where(emissive, np.float32(0.0), brdf), np.where(emissive, emission, np.float32(0.0)))
         return {
             "target_radiance": material * irradiance + emission,
             "high_material": material,

@@ -28,9 +28,7 @@ class UNet(nn.Module):
         self.coarse = _pair(width, 2 * width, 2 * width)
         self.to_middle = _pair(3 * width, width, width)
         self.to_fine = nn.Sequential(
-            nn.Conv2d(width + half, half, 3, padding=1),
-            nn.ReLU(inplace=True),
-            nn.Conv2d(half, 3, 3, padding=1),
+            nn.Conv2d(width + half, half, 3, padding=1), nn.ReLU(inplace=True), nn.Conv2d(half, 3, 3, padding=1)
         )
 
     def forward(self, x: Tensor) -> Tensor:

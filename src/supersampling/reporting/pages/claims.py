@@ -13,12 +13,7 @@ from supersampling.reporting.papers.claims import VERDICTS, Judged, Verdict
 from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Paper
 from supersampling.runs.statistics import Estimate
 
-STYLES: dict[Verdict, Style] = {
-    "reproduced": "yes",
-    "contradicted": "no",
-    "unresolved": "open",
-    "not run": "muted",
-}
+STYLES: dict[Verdict, Style] = {"reproduced": "yes", "contradicted": "no", "unresolved": "open", "not run": "muted"}
 SIGNS = {"more": "a > b", "less": "a < b", "rises": "rises with every step", "falls": "falls with every step"}
 EXACT_DIGITS = 4
 WORDS = [

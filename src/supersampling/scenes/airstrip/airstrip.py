@@ -57,10 +57,7 @@ def _drones(b: Builder, p: Paints) -> None:
         ride = course.ride(DRONE_SPEED, 0.31 * k, 0.5)
         b.move(vehicles.drone((p.cone, p.white, p.cone)[k], p.iron), ride)
         for j, arm in enumerate(vehicles.ARMS):
-            b.move(
-                vehicles.rotor(p.iron),
-                chain(ride, spin(arm, (0, 1, 0), 5.3 * (1 - 2 * (j in (1, 2))), 0.7 * j)),
-            )
+            b.move(vehicles.rotor(p.iron), chain(ride, spin(arm, (0, 1, 0), 5.3 * (1 - 2 * (j in (1, 2))), 0.7 * j)))
 
 
 def _windsock(b: Builder, p: Paints) -> None:

@@ -37,12 +37,7 @@ def casing(profile: ArrayLike, power: float = 0.45, columns: int = 14) -> Shape:
     ends = [rows[:1] * [1, 0.02, 0.02], rows, rows[-1:] * [1, 0.02, 0.02]]
     rows = np.concatenate(ends)
     points = np.stack(
-        [
-            rows[:, 1:2] * ring[None, :, 0],
-            np.repeat(rows[:, :1], columns + 1, 1),
-            rows[:, 2:] * ring[None, :, 1],
-        ],
-        -1,
+        [rows[:, 1:2] * ring[None, :, 0], np.repeat(rows[:, :1], columns + 1, 1), rows[:, 2:] * ring[None, :, 1]], -1
     )
     # The outline runs from +x towards -z, that is to the right as seen from outside.
     around = np.linspace(0, 4 * float(rows[:, 1:].max(0).sum()), columns + 1)
@@ -101,14 +96,7 @@ def head(coat: Coat, kind: int) -> list[Part]:
     neck = [cylinder(0.06, 0.1, 12).shift(0, 0.04, 0), disc(0.05, 0.27, (0, 0.17, 0), segments=14)]
     if kind % 3 == 0:
         skull = casing(
-            [
-                (0.31, 0.06, 0.06),
-                (0.29, 0.11, 0.11),
-                (0.18, 0.14, 0.125),
-                (0.1, 0.12, 0.11),
-                (0.07, 0.08, 0.08),
-            ],
-            0.7,
+            [(0.31, 0.06, 0.06), (0.29, 0.11, 0.11), (0.18, 0.14, 0.125), (0.1, 0.12, 0.11), (0.07, 0.08, 0.08)], 0.7
         )
         eyes = [box((0.03, 0.035, 0.19), (0.13, 0.19, 0))]
     elif kind % 3 == 1:

@@ -14,10 +14,7 @@ from supersampling.scenes.kit.shapes import Shape, beam, join, lathe, sphere, tu
 from supersampling.scenes.scene import Array, Transform
 
 Add = Callable[[list[Part], Transform], None]
-SWING, BEND = (
-    0.42,
-    0.95,
-)  # radians: how far a leg swings to each side, how far a knee bends on its way forward
+SWING, BEND = (0.42, 0.95)  # radians: how far a leg swings to each side, how far a knee bends on its way forward
 EVEN = 0.97  # below 1: how near to a constant rate a leg swings
 STRIDE = 4 * LEG * np.sin(SWING)  # metres that two steps cover
 
@@ -91,10 +88,7 @@ def biped(add: Add, ride: Transform, speed: float, phase: float, coat: Coat, kin
     twist = sway((0, 0, 0), (0, 1, 0), 7, rate, phase + np.pi / 2)
     chest = _cached(chain(body, twist))
     place(torso(coat, kind), chest)
-    place(
-        head(coat, kind),
-        chain(chest, sway(np.array([0.0, 0.62, 0.0]) * size, (0, 1, 0), 24, 0.13, phase)),
-    )
+    place(head(coat, kind), chain(chest, sway(np.array([0.0, 0.62, 0.0]) * size, (0, 1, 0), 24, 0.13, phase)))
     for side in (-1, 1):
         step = Step(rate, phase + (np.pi if side < 0 else 0.0))
         thigh, shin, foot = leg(coat)
@@ -115,9 +109,7 @@ def biped(add: Add, ride: Transform, speed: float, phase: float, coat: Coat, kin
 def crawler(add: Add, ride: Transform, speed: float, phase: float, coat: Coat) -> None:
     """Add a six-legged creature 1.6 m long: a body and six legs of one piece that row."""
     shell = casing(
-        [(0.92, 0.2, 0.12), (0.88, 0.5, 0.3), (0.72, 0.68, 0.4), (0.58, 0.62, 0.36), (0.52, 0.4, 0.2)],
-        0.8,
-        24,
+        [(0.92, 0.2, 0.12), (0.88, 0.5, 0.3), (0.72, 0.68, 0.4), (0.58, 0.62, 0.36), (0.52, 0.4, 0.2)], 0.8, 24
     )
     plates = [lathe([(0.32, 0.04), (0.4, 0.0), (0.4, -0.03)], 24).shift(x, 0.87, 0) for x in (-0.3, 0.1)]
     spikes = [lathe([(0.0, 0.22), (0.05, 0.0)], 8).shift(-0.5 + 0.2 * k, 0.88, 0) for k in range(6)]

@@ -85,10 +85,7 @@ def title() -> Texture:
     """Draw a panel 1024 x 128 of the round: two scores, the clock, small type."""
     image = Image.new("RGB", (1024, 128), BACK)
     draw = ImageDraw.Draw(image)
-    for left, color, name, score, share in (
-        (0, BAD, "RED FORGE", 14, 0.63),
-        (664, POWER, "BLUE YARD", 11, 0.48),
-    ):
+    for left, color, name, score, share in ((0, BAD, "RED FORGE", 14, 0.63), (664, POWER, "BLUE YARD", 11, 0.48)):
         draw.rectangle((left, 0, left + 359, 127), (34, 38, 48), color, 4)
         draw.text((left + 16, 10), name, INK, font(40, "DejaVuSans-Bold"))
         draw.text((left + 344, 6), str(score), color, font(48, "DejaVuSans-Bold"), anchor="ra")
@@ -124,13 +121,7 @@ def map_face() -> Texture:
         a = np.pi / 2 * k
         place = (160 + 134 * np.cos(a), 160 + 134 * np.sin(a))
         draw.text(place, letter, (*GOLD, 255), font(30, "DejaVuSans-Bold"), anchor="mm")
-    for x, y, color in (
-        (104, 130, BAD),
-        (212, 110, BAD),
-        (190, 220, POWER),
-        (120, 214, POWER),
-        (230, 180, GOLD),
-    ):
+    for x, y, color in ((104, 130, BAD), (212, 110, BAD), (190, 220, POWER), (120, 214, POWER), (230, 180, GOLD)):
         draw.rectangle((x - 7, y - 7, x + 7, y + 7), (*color, 255), (*INK, 255))
     return np.asarray(image)
 

@@ -51,9 +51,7 @@ def trodden(size: int, seed: int, stops: list[tuple[float, float, float]]) -> te
         )
         prints[np.ix_(rows, columns)] = np.maximum(prints[np.ix_(rows, columns)], sole)
     tone = np.clip(
-        0.6 * grit + 0.5 * cloud - 0.12 + 0.1 * rake - 0.4 * np.clip(damp * 3 - 1.9, 0, 1) - 0.22 * prints,
-        0,
-        1,
+        0.6 * grit + 0.5 * cloud - 0.12 + 0.1 * rake - 0.4 * np.clip(damp * 3 - 1.9, 0, 1) - 0.22 * prints, 0, 1
     )
     relief = grit + 0.25 * rake * (1 - prints) - 0.8 * prints
     return (

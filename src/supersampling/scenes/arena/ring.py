@@ -73,10 +73,7 @@ def trim(b: Builder, m: Materials) -> None:
     """Add pillars with flags, boards on the wall, gates."""
     for k in range(16):
         a = 22.5 * k
-        pillar = [
-            box((0.7, 3.1, 0.9), (RADIUS - 0.1, 1.55, 0)),
-            box((0.9, 0.25, 1.1), (RADIUS - 0.15, 3.2, 0)),
-        ]
+        pillar = [box((0.7, 3.1, 0.9), (RADIUS - 0.1, 1.55, 0)), box((0.9, 0.25, 1.1), (RADIUS - 0.15, 3.2, 0))]
         pillar.append(box((0.85, 0.5, 1.05), (RADIUS - 0.12, 0.25, 0)))
         b.put(join(pillar).turn_y(a), m.stone, (0.95, 0.93, 0.9))
         b.put(
@@ -121,25 +118,13 @@ def obstacles(b: Builder, m: Materials) -> None:
         b.put(foot.shift(radius, 0, 0).turn_y(degrees), m.stone, (0.9, 0.87, 0.82))
         drum = lathe([(0.0, 0.4), (0.36, 0.4), (0.36, -0.4), (0.0, -0.4)], 40, 20, 0.1)
         fallen = Shape(
-            drum.positions[:, [1, 0, 2]] * [1, 1, -1],
-            drum.normals[:, [1, 0, 2]] * [1, 1, -1],
-            drum.uv,
-            drum.triangles,
+            drum.positions[:, [1, 0, 2]] * [1, 1, -1], drum.normals[:, [1, 0, 2]] * [1, 1, -1], drum.uv, drum.triangles
         )
         if k % 2:
             b.put(fallen.turn_y(40 * k).shift(radius - 0.1, 0.36, 1.15).turn_y(degrees), m.stone)
     for radius, low, high in ((1.9, 0.0, 0.22), (1.5, 0.22, 0.44), (1.1, 0.44, 0.66)):
         b.put(lathe([(0.0, high), (radius, high), (radius, low)], 8).turn_y(22.5), m.stone)
-    spire = [
-        (0.0, 4.4),
-        (0.1, 4.2),
-        (0.34, 1.5),
-        (0.5, 1.4),
-        (0.5, 1.2),
-        (0.4, 1.1),
-        (0.44, 0.7),
-        (0.6, 0.66),
-    ]
+    spire = [(0.0, 4.4), (0.1, 4.2), (0.34, 1.5), (0.5, 1.4), (0.5, 1.2), (0.4, 1.1), (0.44, 0.7), (0.6, 0.66)]
     b.put(lathe(spire, 8).turn_y(22.5), m.steel)
     for k in range(4):
         board = quad((-0.3, 0.3, 0), (0.6, 0, 0), (0, -0.6, 0)).shift(0, 0.98, 0.72)

@@ -30,14 +30,8 @@ def _shell(b: Builder, p: Palette) -> None:
         for x in np.arange(-10.5, 11, 1.0):
             b.put(rafter.shift(x, 0, 0).turn_y(turn), p.oak)
         b.put(panel((-11, 7.0, -8), (LENGTH, 0, 0), (0, -1.1, 3.8), (3, 22)).turn_y(turn), p.roof)
-        b.put(
-            box((LENGTH, 0.5, 0.5), (0, TOP + 0.25, -ROW), ("front", "back", "bottom", "top")).turn_y(turn),
-            p.ashlar,
-        )
-        b.put(
-            box((LENGTH, 0.3, 0.8), (0, TOP + 0.65, -ROW), ("front", "back", "bottom", "top")).turn_y(turn),
-            p.column,
-        )
+        b.put(box((LENGTH, 0.5, 0.5), (0, TOP + 0.25, -ROW), ("front", "back", "bottom", "top")).turn_y(turn), p.ashlar)
+        b.put(box((LENGTH, 0.3, 0.8), (0, TOP + 0.65, -ROW), ("front", "back", "bottom", "top")).turn_y(turn), p.column)
         dentil = box((0.14, 0.12, 0.14), (0, TOP + 0.44, -ROW + 0.3))
         for x in np.arange(-10.85, 11, 0.3):
             b.put(dentil.shift(x, 0, 0).turn_y(turn), p.column)

@@ -50,10 +50,7 @@ def _table(b: Builder, p: Palette, x: float, z: float, seed: int) -> None:
     top, foot = parts.table()
     b.put(top.shift(x, 0, z), (p.black, p.top, p.ruby)[seed % 3])
     b.put(foot.shift(x, 0, z), p.brass)
-    b.put(
-        lathe([(0, 0.02), (0.032, 0.09), (0.036, 0.09), (0.04, 0.05), (0.028, 0)], 12).shift(x, 0.74, z),
-        p.candle,
-    )
+    b.put(lathe([(0, 0.02), (0.032, 0.09), (0.036, 0.09), (0.04, 0.05), (0.028, 0)], 12).shift(x, 0.74, z), p.candle)
     for _ in range(3):
         angle, reach = rng.uniform(0, 2 * np.pi), rng.uniform(0.14, 0.3)
         kind = int(rng.integers(3))
@@ -86,10 +83,7 @@ def columns(b: Builder, p: Palette) -> None:
 def stage(b: Builder, p: Palette) -> None:
     """Add a low round stage in the south-east corner with a grand piano and its stool."""
     line = forms.rounded([(8.0, -0.2), (4.3, -0.2), (4.3, 5.0)][::-1], 1.6)
-    b.put(
-        forms.sweep(line[::-1], [(0.0, 0.2), (0.02, 0.19), (0.02, 0.17), (0.0, 0.16), (0.0, 0.0)]),
-        p.wood,
-    )
+    b.put(forms.sweep(line[::-1], [(0.0, 0.2), (0.02, 0.19), (0.02, 0.17), (0.0, 0.16), (0.0, 0.0)]), p.wood)
     top = np.concatenate([line, [[8.0, 5.0]]])
     middle = top.mean(0)
     for a, c in zip(top, np.roll(top, -1, 0)):
@@ -140,17 +134,9 @@ def neons(b: Builder, p: Palette) -> None:
         [(0.06 * np.sin(a) + 0.06, 0.22 + 0.06 * np.cos(a)) for a in np.arange(12) * np.pi / 6], closed=True
     )
     for x, back, shapes in (
-        (
-            -1.9,
-            1.5,
-            ((forms.neon_letters("NEON", 0.42), "cyan"), (forms.neon([(-0.7, -0.33), (0.7, -0.33)]), "pink")),
-        ),
+        (-1.9, 1.5, ((forms.neon_letters("NEON", 0.42), "cyan"), (forms.neon([(-0.7, -0.33), (0.7, -0.33)]), "pink"))),
         (-4.9, 0.9, ((martini, "pink"), (olive, "amber"))),
-        (
-            1.1,
-            1.5,
-            ((forms.neon_letters("BAR", 0.5), "amber"), (forms.neon([(-0.66, 0.36), (0.66, 0.36)]), "cyan")),
-        ),
+        (1.1, 1.5, ((forms.neon_letters("BAR", 0.5), "amber"), (forms.neon([(-0.66, 0.36), (0.66, 0.36)]), "cyan"))),
     ):
         b.put(box((back + 0.1, 0.95, 0.03), (x, 2.15, 4.975)), p.black)
         for shape, color in shapes:
@@ -160,10 +146,7 @@ def neons(b: Builder, p: Palette) -> None:
     b.put(word, p.neon["pink"])
     for k, radius in enumerate((0.34, 0.28, 0.22)):
         ring = [(radius * np.cos(a), radius * np.sin(a)) for a in np.arange(30) * np.pi / 15]
-        b.put(
-            forms.neon(ring, closed=True).turn_y(-90).shift(7.94, 2.4, -2.4),
-            p.neon[("amber", "pink", "cyan")[k]],
-        )
+        b.put(forms.neon(ring, closed=True).turn_y(-90).shift(7.94, 2.4, -2.4), p.neon[("amber", "pink", "cyan")[k]])
     b.put(quad((-1.0, 0.32, 0), (2.0, 0, 0), (0, -0.64, 0)).turn_y(-90).shift(7.93, 2.4, -0.6), p.signs[3])
     b.put(box((0.06, 0.7, 2.06), (7.965, 2.4, -0.6)), p.brass)
     b.put(quad((-0.9, 0.3, 0), (1.8, 0, 0), (0, -0.6, 0)).shift(5.9, 2.3, -4.93), p.signs[0])
@@ -224,10 +207,7 @@ def jukebox(b: Builder, p: Palette) -> None:
         return np.concatenate([[[radius, foot]], bow, [[-radius, foot]]])
 
     place = (-7.25, 0.0, -4.6)
-    shapes = [
-        (plate(arch(0.48, 0.0), arch(0.02, 0.0), 0.5), p.ruby),
-        (box((0.86, 0.5, 0.06), (0, 0.25, 0.26)), p.wood),
-    ]
+    shapes = [(plate(arch(0.48, 0.0), arch(0.02, 0.0), 0.5), p.ruby), (box((0.86, 0.5, 0.06), (0, 0.25, 0.26)), p.wood)]
     shapes += [(box((0.7, 0.03, 0.02), (0, y, 0.295)), p.chrome) for y in (0.12, 0.2, 0.28, 0.36)]
     shapes += [
         (plate(arch(0.28, 0.56), arch(0.02, 0.56), 0.04).shift(0, 0, 0.25), p.onyx),

@@ -27,14 +27,10 @@ class Palette:
         ebony = [(0.13, 0.08, 0.06), (0.28, 0.18, 0.13), (0.42, 0.29, 0.21)]
         self.floor = self._maps("polished marble", tex.checkers(1024, 4, 1), 3.2)
         self.tiles = self._maps(
-            "green tiles",
-            tex.glazed(512, 12, 6, [(0.03, 0.2, 0.16), (0.07, 0.42, 0.32), (0.3, 0.62, 0.46)], 11),
-            1.2,
+            "green tiles", tex.glazed(512, 12, 6, [(0.03, 0.2, 0.16), (0.07, 0.42, 0.32), (0.3, 0.62, 0.46)], 11), 1.2
         )
         self.dark_tiles = self._maps(
-            "blue tiles",
-            tex.glazed(512, 6, 6, [(0.05, 0.08, 0.22), (0.1, 0.2, 0.42), (0.22, 0.36, 0.58)], 21),
-            0.9,
+            "blue tiles", tex.glazed(512, 6, 6, [(0.05, 0.08, 0.22), (0.1, 0.2, 0.42), (0.22, 0.36, 0.58)], 21), 0.9
         )
         self.top = self._maps("mahogany lacquer", tex.veneer(512, 31, mahogany), 1.2)
         self.wood = self._maps("ebony lacquer", tex.veneer(512, 41, ebony), 1.0)
@@ -42,20 +38,14 @@ class Palette:
         self.chrome = self._maps("chrome", tex.polished(256, 61, steel, 0.1), 0.4)
         self.copper = self._maps("copper", tex.polished(256, 71, copper, 0.16), 0.4)
         self.red = self._maps(
-            "red leather",
-            tex.tufted(512, 81, [(0.16, 0.02, 0.025), (0.38, 0.05, 0.055), (0.54, 0.12, 0.1)]),
-            0.8,
+            "red leather", tex.tufted(512, 81, [(0.16, 0.02, 0.025), (0.38, 0.05, 0.055), (0.54, 0.12, 0.1)]), 0.8
         )
         self.teal = self._maps(
-            "teal leather",
-            tex.tufted(512, 91, [(0.02, 0.15, 0.18), (0.05, 0.34, 0.36), (0.2, 0.5, 0.48)]),
-            0.7,
+            "teal leather", tex.tufted(512, 91, [(0.02, 0.15, 0.18), (0.05, 0.34, 0.36), (0.2, 0.5, 0.48)]), 0.7
         )
         self.ceiling = self._maps("pressed tin", tex.pressed_tin(512, 101), 1.6)
         self.paper = self._maps(
-            "fan wall covering",
-            tex.fans(512, 111, [(0.09, 0.05, 0.15), (0.2, 0.1, 0.27), (0.34, 0.2, 0.38)]),
-            0.8,
+            "fan wall covering", tex.fans(512, 111, [(0.09, 0.05, 0.15), (0.2, 0.1, 0.27), (0.34, 0.2, 0.38)]), 0.8
         )
         self.labels = self._builder.material(Material("labels", tex.labels(5), roughness=0.35))
 

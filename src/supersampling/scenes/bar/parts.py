@@ -43,16 +43,7 @@ def drinking_glass(kind: int) -> Shape:
 
 def stool() -> tuple[Shape, Shape, Shape]:
     """Return the chrome foot and stem of a bar stool, its brass ring and its round seat."""
-    stem = [
-        (0.0, 0.7),
-        (0.12, 0.69),
-        (0.05, 0.66),
-        (0.03, 0.62),
-        (0.03, 0.1),
-        (0.05, 0.06),
-        (0.2, 0.03),
-        (0.22, 0.0),
-    ]
+    stem = [(0.0, 0.7), (0.12, 0.69), (0.05, 0.66), (0.03, 0.62), (0.03, 0.1), (0.05, 0.06), (0.2, 0.03), (0.22, 0.0)]
     angle = np.linspace(0, 2 * np.pi, 18, endpoint=False)
     ring = np.stack([0.19 * np.cos(angle), 0 * angle + 0.3, 0.19 * np.sin(angle)], 1)
     brass = [tube(ring, 0.012, 5, True)]
@@ -76,15 +67,7 @@ def table(radius: float = 0.42, height: float = 0.74) -> tuple[Shape, Shape]:
         (radius - 0.004, height - 0.035),
         (0.06, height - 0.04),
     ]
-    foot += [
-        (0.035, height - 0.1),
-        (0.028, 0.3),
-        (0.05, 0.22),
-        (0.03, 0.16),
-        (0.06, 0.07),
-        (0.25, 0.025),
-        (0.27, 0.0),
-    ]
+    foot += [(0.035, height - 0.1), (0.028, 0.3), (0.05, 0.22), (0.03, 0.16), (0.06, 0.07), (0.25, 0.025), (0.27, 0.0)]
     return top, lathe(foot, 16)
 
 
@@ -119,10 +102,7 @@ def bench(width: float) -> tuple[Shape, Shape]:
         (0.62, 0.34),
         (0.58, 0.33),
     ]
-    hard = [
-        box((width, 0.33, 0.52), (0, 0.165, 0.27), ("front",)),
-        box((width, 0.05, 0.18), (0, 1.185, 0.09)),
-    ]
+    hard = [box((width, 0.33, 0.52), (0, 0.165, 0.27), ("front",)), box((width, 0.05, 0.18), (0, 1.185, 0.09))]
     hard += [box((0.06, 1.24, 0.7), (side * (width / 2 + 0.03), 0.62, 0.35)) for side in (-1, 1)]
     return sweep(line, soft), join(hard)
 
@@ -165,10 +145,7 @@ def taps(count: int) -> tuple[Shape, Shape]:
 
 def fan(blades: int, radius: float) -> tuple[Shape, Shape]:
     """Return the wooden blades of a ceiling fan about the y axis, and its brass hub and arms."""
-    wood, brass = (
-        [],
-        [lathe([(0.03, 0.12), (0.09, 0.08), (0.12, 0.03), (0.1, -0.03), (0.04, -0.07), (0, -0.08)], 24)],
-    )
+    wood, brass = ([], [lathe([(0.03, 0.12), (0.09, 0.08), (0.12, 0.03), (0.1, -0.03), (0.04, -0.07), (0, -0.08)], 24)])
     for i in range(blades):
         turn = 360 / blades * i
         blade = box((radius - 0.22, 0.012, 0.15), (0.22 + (radius - 0.22) / 2, 0, 0)).transform(

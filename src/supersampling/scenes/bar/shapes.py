@@ -82,12 +82,7 @@ def mirror_ball(radius: float, rows: int = 13) -> Shape:
             flat = quad(corner, beside - corner, below - corner)
             last = _on_ball(radius, right, low)
             faces.append(
-                Shape(
-                    np.stack([corner, beside, below, last]),
-                    flat.normals,
-                    flat.uv * 0.1 + 0.13 * k,
-                    flat.triangles,
-                )
+                Shape(np.stack([corner, beside, below, last]), flat.normals, flat.uv * 0.1 + 0.13 * k, flat.triangles)
             )
     return join(faces)
 

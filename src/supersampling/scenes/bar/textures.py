@@ -27,11 +27,7 @@ def checkers(size: int, count: int, seed: int) -> Maps:
     shifted = np.roll(value, size // count, 0)
     y, x = np.mgrid[:size, :size] / size * count
     light = (np.floor(x) + np.floor(y)) % 2 > 0.5
-    cloud, fine, wave = (
-        fractal(size, seed + 5, 1.25),
-        fractal(size, seed + 6, 1.0),
-        fractal(size, seed + 8, 2.4),
-    )
+    cloud, fine, wave = (fractal(size, seed + 5, 1.25), fractal(size, seed + 6, 1.0), fractal(size, seed + 8, 2.4))
     vein = np.clip(1 - np.abs(((cloud * 4 + fine + value * 3) % 1) - 0.5) * 12, 0, 1)
     tone = np.clip(0.3 * value + 0.7 * fine, 0, 1)
     cream = ramp(tone, [(0.5, 0.44, 0.36), (0.72, 0.66, 0.56)]) - 0.22 * vein[..., None] * [0.7, 0.9, 1.1]
@@ -92,11 +88,7 @@ def tufted(size: int, seed: int, stops: Sequence[Sequence[float]], cells: int = 
     button = np.clip(1 - corner / 0.12, 0, 1) ** 0.5
     grain, cloud = fractal(size, seed, 0.35), fractal(size, seed + 1, 1.1)
     color = ramp(np.clip(0.25 + 0.35 * bulge + 0.3 * cloud + 0.2 * grain, 0, 1), stops)
-    return (
-        picture(color),
-        normals(1.6 * bulge + 0.8 * button + 0.02 * grain, 7.0),
-        surface(0.24 + 0.18 * grain),
-    )
+    return (picture(color), normals(1.6 * bulge + 0.8 * button + 0.02 * grain, 7.0), surface(0.24 + 0.18 * grain))
 
 
 def pressed_tin(size: int, seed: int, cells: int = 2) -> Maps:
@@ -111,8 +103,7 @@ def pressed_tin(size: int, seed: int, cells: int = 2) -> Maps:
     height = petals * (0.8 + 0.2 * np.cos(8 * angle)) + ringed + frame
     cloud, mark = fractal(size, seed, 1.1), fractal(size, seed + 1, 0.8)
     color = ramp(
-        np.clip(0.2 + 0.3 * height + 0.4 * cloud, 0, 1),
-        [(0.36, 0.19, 0.12), (0.75, 0.47, 0.32), (0.93, 0.68, 0.5)],
+        np.clip(0.2 + 0.3 * height + 0.4 * cloud, 0, 1), [(0.36, 0.19, 0.12), (0.75, 0.47, 0.32), (0.93, 0.68, 0.5)]
     )
     return picture(color), normals(height, size / 90), surface(0.24 + 0.18 * mark, 1.0)
 
@@ -174,11 +165,7 @@ def night_town(width: int, height: int, seed: int) -> Texture:
     glow = np.zeros((height, width, 3))
     v, u = np.mgrid[-22:22, -22:22]
     for _ in range(46):
-        x, y, radius = (
-            int(rng.integers(22, width - 22)),
-            int(height * rng.uniform(0.55, 0.9)),
-            rng.uniform(7, 20),
-        )
+        x, y, radius = (int(rng.integers(22, width - 22)), int(height * rng.uniform(0.55, 0.9)), rng.uniform(7, 20))
         hue = np.array(((255, 120, 40), (255, 60, 90), (90, 220, 255), (255, 220, 150))[int(rng.integers(4))])
         disc = np.clip(radius - np.hypot(u, v), 0, 1) * rng.uniform(0.25, 0.7)
         glow[y - 22 : y + 22, x - 22 : x + 22] += disc[..., None] * hue

@@ -46,12 +46,7 @@ def shell(b: Builder, m: Stock) -> None:
 
 def markings(b: Builder, m: Stock) -> None:
     """Add painted lanes on the floor, and checker plates."""
-    lanes = [
-        (-9.0, -4.45, 18.5, 0.18),
-        (-9.0, -2.0, 18.5, 0.18),
-        (-9.0, 3.6, 20, 0.18),
-        (-9.0, 5.1, 20, 0.18),
-    ]
+    lanes = [(-9.0, -4.45, 18.5, 0.18), (-9.0, -2.0, 18.5, 0.18), (-9.0, 3.6, 20, 0.18), (-9.0, 5.1, 20, 0.18)]
     lanes += [(-9.2, -4.45, 0.18, 9.7), (9.6, -2.0, 0.18, 5.6), (11.05, -5.5, 0.18, 11.0)]
     for x, z, width, depth in lanes:
         b.put(panel((x, 0.006, z), (width, 0, 0), (0, 0, depth)), m.hazard)

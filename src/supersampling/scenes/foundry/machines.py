@@ -23,8 +23,7 @@ def _train(b: Builder, first: Point, wheels: list[tuple[int, float]], hertz: flo
             phase, rate = meshing_phase(teeth, phase, count, way), -rate * teeth / count
             teeth = count
         b.move(
-            [(gear(count, module, 0.12, 4 + i % 3), metals[i % len(metals)])],
-            spin((x, y, z), (0, 0, 1), rate, phase),
+            [(gear(count, module, 0.12, 4 + i % 3), metals[i % len(metals)])], spin((x, y, z), (0, 0, 1), rate, phase)
         )
         b.put(disc(0.045, 0.5, (x, y, z - 0.1), segments=16), metals[0])
 
@@ -89,10 +88,7 @@ def press(b: Builder, m: Stock) -> None:
 
 def fans(b: Builder, m: Stock) -> None:
     """Add two wall fans in cages: a large one on the east wall, a small one on the west wall."""
-    for place, radius, turn, hertz in (
-        ((11.55, 2.9, -3.2), 1.2, -90.0, 1.6),
-        ((-11.55, 3.45, 4.6), 0.8, 90.0, 2.3),
-    ):
+    for place, radius, turn, hertz in (((11.55, 2.9, -3.2), 1.2, -90.0, 1.6), ((-11.55, 3.45, 4.6), 0.8, 90.0, 2.3)):
         frame = join(
             [
                 ring(radius * 1.04, 0.14, 0.4),
@@ -117,10 +113,7 @@ def crane(b: Builder, m: Stock) -> None:
         for x in (-6.0, -2.0, 6.0, 10.0):
             b.put(box((0.1, 0.58, 0.1), (x, 6.46, z)), m.iron)
     trolley = join(
-        [
-            box((0.9, 0.3, 0.8), (0, 0, 0)),
-            *(disc(0.14, 0.1, (x, -0.1, z)) for x in (-0.3, 0.3) for z in (-0.42, 0.42)),
-        ]
+        [box((0.9, 0.3, 0.8), (0, 0, 0)), *(disc(0.14, 0.1, (x, -0.1, z)) for x in (-0.3, 0.3) for z in (-0.42, 0.42))]
     )
     travel = shuttle((0.9, 6.42, -1.2), (1.9, 6.42, -1.2), 0.1)
     b.move([(trolley, m.red)], travel)

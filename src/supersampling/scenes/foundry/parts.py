@@ -4,14 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supersampling.scenes.kit.motion import rotation, translation
-from supersampling.scenes.kit.shapes import (
-    Shape,
-    beam,
-    box,
-    cylinder,
-    join,
-    tube,
-)
+from supersampling.scenes.kit.shapes import Shape, beam, box, cylinder, join, tube
 from supersampling.scenes.kit.wheels import disc
 from supersampling.scenes.scene import Array, Transform
 

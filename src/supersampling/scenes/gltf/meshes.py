@@ -169,12 +169,7 @@ def unit(vectors: Floats) -> Floats:
 
 
 def _mesh(
-    positions: Floats,
-    normals: Floats | None,
-    uv: Floats,
-    colors: Floats | None,
-    triangles: Indices,
-    material: int,
+    positions: Floats, normals: Floats | None, uv: Floats, colors: Floats | None, triangles: Indices, material: int
 ) -> Mesh:
     if normals is None:
         # Section 3.7.2.1: flat normals, so that no two triangles share a vertex.

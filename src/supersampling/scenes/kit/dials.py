@@ -47,12 +47,6 @@ def clock_face(size: int = 512) -> Texture:
         draw.line(ends, (20, 20, 24), 9 if minute % 5 == 0 else 3)
         if minute % 5 == 0:
             place = (c + size * 0.355 * x, c + size * 0.355 * y)
-            draw.text(
-                place,
-                str(minute // 5 or 12),
-                (20, 20, 24),
-                font(48, "DejaVuSerif-Bold"),
-                anchor="mm",
-            )
+            draw.text(place, str(minute // 5 or 12), (20, 20, 24), font(48, "DejaVuSerif-Bold"), anchor="mm")
     draw.text((c, size * 0.66), "RASTER & SONS", (70, 50, 30), font(22), anchor="mm")
     return np.asarray(image)

@@ -95,11 +95,7 @@ def masonry(
 def bricks(size: int, rows: int, columns: int, stops: Sequence[Sequence[float]], seed: int) -> Maps:
     """Draw a brick wall: albedo, normal, surface."""
     inside, value, height = masonry(size, rows, columns, 0.012, seed)
-    grain, stain, pits = (
-        fractal(size, seed + 2, 0.35),
-        fractal(size, seed + 3, 1.1),
-        fractal(size, seed + 4, 0.8),
-    )
+    grain, stain, pits = (fractal(size, seed + 2, 0.35), fractal(size, seed + 3, 1.1), fractal(size, seed + 4, 0.8))
     body = ramp(np.clip(value * 0.8 + 0.35 * (stain - 0.5) + 0.1, 0, 1), stops) * (0.62 + 0.75 * grain[..., None])
     body *= np.where(pits > 0.84, 0.62, 1.0)[..., None]
     mortar = np.array([0.72, 0.69, 0.63]) * (0.65 + 0.6 * grain[..., None])
@@ -122,11 +118,7 @@ def floor_tiles(size: int, count: int, colors: Sequence[Sequence[Sequence[float]
     body = np.where(checker[..., None] > 0.5, ramp(tone, colors[0]), ramp(tone, colors[1]))
     body = body * (1 - 0.4 * veins[..., None]) + 0.35 * veins[..., None] * np.array([0.9, 0.85, 0.75])
     albedo = inside[..., None] * body + (1 - inside[..., None]) * 0.25
-    return (
-        picture(albedo),
-        normals(height + 0.1 * grain, 4.0),
-        surface(0.25 + 0.4 * grain + 0.3 * (1 - inside)),
-    )
+    return (picture(albedo), normals(height + 0.1 * grain, 4.0), surface(0.25 + 0.4 * grain + 0.3 * (1 - inside)))
 
 
 def cobbles(size: int, seed: int) -> Maps:
@@ -152,11 +144,7 @@ def stone(size: int, seed: int, stops: Sequence[Sequence[float]], rows: int = 4)
     body = ramp(np.clip(0.25 * value + 0.55 * cloud + 0.35 * grain, 0, 1), stops) * (0.8 + 0.35 * chisel[..., None])
     body = np.where(pits[..., None], body * 0.55, body)
     albedo = picture(body * (0.45 + 0.55 * inside[..., None]))
-    return (
-        albedo,
-        normals(height * 0.7 + 0.2 * grain + 0.2 * chisel - 0.2 * pits, 6.0),
-        surface(0.7 + 0.25 * grain),
-    )
+    return (albedo, normals(height * 0.7 + 0.2 * grain + 0.2 * chisel - 0.2 * pits, 6.0), surface(0.7 + 0.25 * grain))
 
 
 def wood(size: int, seed: int, stops: Sequence[Sequence[float]], planks: int = 6) -> Maps:

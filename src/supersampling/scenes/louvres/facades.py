@@ -97,10 +97,7 @@ def _upper_floor(p: Palette, k: int, x: float) -> list[tuple[Shape, int]]:
         for dx in (-0.95, 0.95):
             pieces.append((parts.frame(0.95, 1.7, 0.06, 0.1).shift(x + dx, y, 0.05), p.white))
             pieces.append(
-                (
-                    panel((x + dx - 0.475, y + 1.7, 0.01), (0.95, 0, 0), (0, -1.7, 0)),
-                    (p.ticking, p.shade)[k // 2 % 2],
-                )
+                (panel((x + dx - 0.475, y + 1.7, 0.01), (0.95, 0, 0), (0, -1.7, 0)), (p.ticking, p.shade)[k // 2 % 2])
             )
             for side in (-1, 1):
                 leaf = parts.slats(0.44, 1.66, 0.038, 0.008, 0.032, 35).shift(x + dx + side * 0.75, y + 0.02, 0.05)
@@ -112,10 +109,7 @@ def _upper_floor(p: Palette, k: int, x: float) -> list[tuple[Shape, int]]:
     else:
         pieces.append((panel((x - 1.6, FLOOR + 3.1, 0.02), (3.2, 0, 0), (0, -2.7, 0)), p.shade))
         pieces.append(
-            (
-                parts.fins(3.2, 2.7, 0.055, 0.012, 0.05, 40).shift(x, FLOOR + 0.4, 0.08),
-                (p.mustard, p.rust)[k // 2 % 2],
-            )
+            (parts.fins(3.2, 2.7, 0.055, 0.012, 0.05, 40).shift(x, FLOOR + 0.4, 0.08), (p.mustard, p.rust)[k // 2 % 2])
         )
         pieces += [(box((3.4, 0.1, 0.2), (x, yy, 0.1)), p.white) for yy in (FLOOR + 0.35, FLOOR + 3.15)]
     return pieces
@@ -169,8 +163,7 @@ def towers(b: Builder, p: Palette) -> None:
         ((31.0, -7.0, 22.0), (34.0, 9.0, 17.0), (-30.0, 7.0, 24.0), (-33.0, -10.0, 18.0))
     ):
         b.put(
-            box((9, height, 9), (x, height / 2, z), ("front", "back", "left", "right", "top")),
-            (p.pale, p.clay)[k % 2],
+            box((9, height, 9), (x, height / 2, z), ("front", "back", "left", "right", "top")), (p.pale, p.clay)[k % 2]
         )
         for turn in (-90 if x > 0 else 90, 0 if z < 0 else 180):
             blades = parts.slats(8.6, height - 2.0, 0.22, 0.05, 0.18, 15).shift(0, 1.6, 4.6)

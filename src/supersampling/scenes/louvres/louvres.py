@@ -53,14 +53,7 @@ def louvres() -> Scene:
     """
     b = Builder()
     p = Palette(b)
-    for part in (
-        facades.ground,
-        facades.pavilion,
-        facades.shops,
-        facades.hall,
-        facades.lattice,
-        facades.towers,
-    ):
+    for part in (facades.ground, facades.pavilion, facades.shops, facades.hall, facades.lattice, facades.towers):
         part(b, p)
     for part in (street.pergola, street.furniture, street.screens, street.movers):
         part(b, p)

@@ -30,27 +30,19 @@ class Palette:
         self.mustard = self._maps("mustard paint", tex.paint(256, 7, (0.88, 0.68, 0.26)), 1.0)
         self.blue = self._maps("blue paint", tex.paint(256, 8, (0.3, 0.45, 0.62)), 1.0)
         self.pale = self._maps(
-            "pale plaster",
-            tex.plaster(512, 9, [(0.66, 0.62, 0.55), (0.85, 0.81, 0.73), (0.93, 0.9, 0.84)]),
-            2.5,
+            "pale plaster", tex.plaster(512, 9, [(0.66, 0.62, 0.55), (0.85, 0.81, 0.73), (0.93, 0.9, 0.84)]), 2.5
         )
         self.clay = self._maps(
-            "clay plaster",
-            tex.plaster(512, 10, [(0.5, 0.26, 0.18), (0.72, 0.42, 0.3), (0.82, 0.56, 0.42)]),
-            2.5,
+            "clay plaster", tex.plaster(512, 10, [(0.5, 0.26, 0.18), (0.72, 0.42, 0.3), (0.82, 0.56, 0.42)]), 2.5
         )
         self.shade = self._maps(
             "dark room", tex.plaster(256, 11, [(0.1, 0.11, 0.13), (0.17, 0.18, 0.2), (0.24, 0.25, 0.27)]), 2.0
         )
         self.paving = self._maps(
-            "pavers",
-            tex.pavers(1024, 20, 10, [(0.42, 0.4, 0.38), (0.6, 0.57, 0.53), (0.72, 0.69, 0.64)], 12),
-            2.0,
+            "pavers", tex.pavers(1024, 20, 10, [(0.42, 0.4, 0.38), (0.6, 0.57, 0.53), (0.72, 0.69, 0.64)], 12), 2.0
         )
         self.band = self._maps(
-            "dark pavers",
-            tex.pavers(512, 12, 6, [(0.2, 0.2, 0.21), (0.32, 0.31, 0.31), (0.42, 0.4, 0.39)], 13),
-            1.2,
+            "dark pavers", tex.pavers(512, 12, 6, [(0.2, 0.2, 0.21), (0.32, 0.31, 0.31), (0.42, 0.4, 0.39)], 13), 1.2
         )
         self.mosaic = self._maps("mosaic", tex.mosaic(512, 16, [(0.86, 0.84, 0.78), (0.16, 0.36, 0.44)], 14), 0.72)
         self.chess = self._maps("red mosaic", tex.mosaic(512, 16, [(0.9, 0.86, 0.78), (0.62, 0.22, 0.16)], 15), 0.72)

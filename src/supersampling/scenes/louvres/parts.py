@@ -122,10 +122,7 @@ def awning(width: float, reach: float, drop: float) -> tuple[Shape, Shape]:
 def parasol(radius: float, height: float) -> tuple[Shape, Shape]:
     """Return cloth of eight panels with a valance, its stripes running from the top down, and pole, ribs and foot."""
     roof = lathe([(0.02, height), (radius, height - 0.42), (radius + 0.005, height - 0.6)], 8)
-    pole = [
-        cylinder(0.024, height, 8).shift(0, height / 2, 0),
-        lathe([(0.03, 0.12), (0.28, 0.06), (0.28, 0.0)], 20),
-    ]
+    pole = [cylinder(0.024, height, 8).shift(0, height / 2, 0), lathe([(0.03, 0.12), (0.28, 0.06), (0.28, 0.0)], 20)]
     for a in np.arange(8) * np.pi / 4:
         rim = (radius * 0.98 * np.sin(a), height - 0.44, radius * 0.98 * np.cos(a))
         pole.append(beam((0, height - 0.03, 0), rim, 0.012))

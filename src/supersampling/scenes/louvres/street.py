@@ -27,10 +27,7 @@ def pergola(b: Builder, p: Palette) -> None:
     for k, x in enumerate((5.2, 7.0, 9.0, 10.8)):
         z = (-0.95, 0.95)[k % 2]
         b.put(box((0.8, 0.04, 0.8), (x, 0.74, z)), p.white)
-        b.put(
-            box((0.82, 0.2, 0.82), (x, 0.67, z), ("front", "back", "left", "right")),
-            (p.gingham, p.check)[k // 2],
-        )
+        b.put(box((0.82, 0.2, 0.82), (x, 0.67, z), ("front", "back", "left", "right")), (p.gingham, p.check)[k // 2])
         b.put(panel((x - 0.41, 0.765, z - 0.41), (0.82, 0, 0), (0, 0, 0.82)), (p.gingham, p.check)[k // 2])
         b.put(lathe([(0.03, 0.72), (0.03, 0.05), (0.24, 0.03), (0.25, 0)], 16).shift(x, 0, z), p.dark)
         seat, feet = parts.bench(1.2)

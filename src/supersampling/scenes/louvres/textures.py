@@ -68,11 +68,7 @@ def timber(size: int, seed: int, stops: Sequence[Color]) -> Maps:
     warp, fibre = fractal(size, seed, 1.5, (0.4, 2.0)), fractal(size, seed + 1, 0.5, (6.0, 1.0))
     cloud = fractal(size, seed + 2, 1.1)
     tone = 0.3 * (0.5 + 0.5 * np.sin(2 * np.pi * 6 * warp)) + 0.35 * fibre + 0.35 * cloud
-    return (
-        picture(ramp(np.clip(tone, 0, 1), stops)),
-        normals(fibre, 1.5),
-        surface(LEAST_ROUGHNESS + 0.2 * fibre),
-    )
+    return (picture(ramp(np.clip(tone, 0, 1), stops)), normals(fibre, 1.5), surface(LEAST_ROUGHNESS + 0.2 * fibre))
 
 
 def plaster(size: int, seed: int, stops: Sequence[Color]) -> Maps:
@@ -91,11 +87,7 @@ def paint(size: int, seed: int, color: Color) -> Maps:
         fractal(size, seed + 2, 0.8, (0.2, 4.0)),
     )
     tone = 0.8 + 0.12 * cloud + 0.1 * grain + 0.08 * run
-    return (
-        picture(np.array(color) * tone[..., None]),
-        normals(grain, 0.4),
-        surface(LEAST_ROUGHNESS + 0.15 * cloud),
-    )
+    return (picture(np.array(color) * tone[..., None]), normals(grain, 0.4), surface(LEAST_ROUGHNESS + 0.15 * cloud))
 
 
 def hedge(size: int, seed: int) -> Maps:

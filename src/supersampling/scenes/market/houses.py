@@ -145,16 +145,10 @@ def _shop(site: Site, p: Palette, house: House) -> None:
         box((right - left, 0.1, 0.12), (w / 2, 2.85, -0.05)),
         box((glass, 0.06, 0.1), (left + glass / 2, 2.3, -0.06)),
     ]
-    wood += [
-        box((1.1, 2.4, 0.06), (right - 0.62, 1.2, -0.2)),
-        box((1.3, 0.08, 0.14), (right - 0.62, 2.44, -0.1)),
-    ]
+    wood += [box((1.1, 2.4, 0.06), (right - 0.62, 1.2, -0.2)), box((1.3, 0.08, 0.14), (right - 0.62, 2.44, -0.1))]
     wood += [box((0.34, 0.7, 0.03), (right - 0.62 + s * 0.24, 0.55, -0.16)) for s in (-1, 1)]
     site.put(join(wood), p.paint, house.shutters)
-    site.put(
-        quad((right - 1.05, 2.25, -0.165), (0.86, 0, 0), (0, -1.2, 0)),
-        (p.slates[k % 3], p.bills[k % 5])[k % 2],
-    )
+    site.put(quad((right - 1.05, 2.25, -0.165), (0.86, 0, 0), (0, -1.2, 0)), (p.slates[k % 3], p.bills[k % 5])[k % 2])
     site.put(box((1.4, 0.12, 0.5), (right - 0.62, 0.06, 0.1)), p.stone)
     _goods(site, p, k, (left, glass))
     board = box((w - 0.7, 0.52, 0.1), (w / 2, 3.24, 0.06), ("front", "top", "bottom", "left", "right"), True)
@@ -164,8 +158,7 @@ def _shop(site: Site, p: Palette, house: House) -> None:
     for side in (-1, 1):
         x = left + glass / 2 + side * (glass / 2 + 0.13)
         site.put(
-            join([beam((x, 2.3, 0.06), (x, 2.33, 1.3), 0.025), beam((x, 2.9, 0.06), (x, 2.34, 1.28), 0.02)]),
-            p.iron,
+            join([beam((x, 2.3, 0.06), (x, 2.33, 1.3), 0.025), beam((x, 2.9, 0.06), (x, 2.34, 1.28), 0.02)]), p.iron
         )
 
 
@@ -185,8 +178,7 @@ def _goods(site: Site, p: Palette, shop: int, glass: tuple[float, float]) -> Non
             cell = int(rng.integers(16))
             if (shop + row) % 3 == 0:
                 site.put(
-                    strip.map_uv((1, 1), (0, cell % 4 / 4)).shift(min(x + 0.25, left + width - 0.5), y, -0.42),
-                    p.spines,
+                    strip.map_uv((1, 1), (0, cell % 4 / 4)).shift(min(x + 0.25, left + width - 0.5), y, -0.42), p.spines
                 )
                 x += 0.98
                 continue
@@ -219,9 +211,7 @@ def build(site: Site, p: Palette, house: House) -> None:
             flower_box(site, p, (x, y - 0.1), 10 * house.shop + k)
     for s in range(house.storeys):
         site.put(
-            box((w, 0.14, 0.1), (w / 2, SHOP + 0.15 + STOREY * s, 0.04), ("front", "top", "bottom")),
-            p.stone,
-            _TRIM,
+            box((w, 0.14, 0.1), (w / 2, SHOP + 0.15 + STOREY * s, 0.04), ("front", "top", "bottom")), p.stone, _TRIM
         )
     for x in (0.16, w - 0.16):
         for j in range(int(h / 0.36)):

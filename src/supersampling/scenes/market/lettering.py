@@ -62,24 +62,11 @@ def fascia(seed: int, name: str, trade: str, back: Rgb, ink: Rgb, size: tuple[in
         draw.rectangle((inset, inset, width - 1 - inset, height - 1 - inset), outline=ink, width=line)
     shade = (back[0] // 2, back[1] // 2, back[2] // 2)
     for offset, color in ((4, shade), (0, ink)):
-        fitted(
-            draw,
-            (width / 2 + offset, height * 0.43 + offset),
-            name,
-            color,
-            (width * 0.62, 88),
-            "DejaVuSerif-Bold",
-        )
+        fitted(draw, (width / 2 + offset, height * 0.43 + offset), name, color, (width * 0.62, 88), "DejaVuSerif-Bold")
     draw.text((width / 2, height * 0.81), trade, ink, font(19, "DejaVuSans"), anchor="mm")
     for x, text in ((width * 0.1, "EST."), (width * 0.9, "No.")):
         draw.text((x, height * 0.38), text, ink, font(22, "DejaVuSerif"), anchor="mm")
-        draw.text(
-            (x, height * 0.62),
-            str(1840 + 7 * seed if x < width / 2 else 3 + seed),
-            ink,
-            font(34),
-            anchor="mm",
-        )
+        draw.text((x, height * 0.62), str(1840 + 7 * seed if x < width / 2 else 3 + seed), ink, font(34), anchor="mm")
     return aged(image, 100 + seed, 0.3)
 
 
@@ -104,11 +91,7 @@ def price_tags(seed: int, columns: int = 8, rows: int = 8, cell: tuple[int, int]
     rng = np.random.default_rng(seed)
     image = Image.new("RGB", (columns * cell[0], rows * cell[1]))
     draw = ImageDraw.Draw(image)
-    looks = (
-        ((238, 232, 214), (150, 26, 22)),
-        ((32, 36, 36), (236, 234, 224)),
-        ((238, 204, 84), (22, 22, 26)),
-    )
+    looks = (((238, 232, 214), (150, 26, 22)), ((32, 36, 36), (236, 234, 224)), ((238, 204, 84), (22, 22, 26)))
     for k in range(columns * rows):
         back, ink = looks[k % 3]
         x, y = (k % columns) * cell[0], (k // columns) * cell[1]

@@ -56,11 +56,7 @@ def _ground(b: Builder, p: Palette) -> None:
     for z in (-6.55, -2.25, 2.05, 6.2):
         b.put(panel((-X, 0, z), (2 * X, 0, 0), (0, 0, 0.3)), p.stone, (0.74, 0.72, 0.7))
     for z in (-Z, 6.5):
-        b.put(
-            panel((-X, 0, z), (2 * X, 0, 0), (0, 0, Z - 6.5 - (0.05 if z < 0 else 0))),
-            p.setts,
-            (0.86, 0.84, 0.82),
-        )
+        b.put(panel((-X, 0, z), (2 * X, 0, 0), (0, 0, Z - 6.5 - (0.05 if z < 0 else 0))), p.setts, (0.86, 0.84, 0.82))
     b.put(panel((-X, 0, -6.4), (0.2, 0, 0), (0, 0, 12.6)), p.stone, (0.74, 0.72, 0.7))
     b.put(panel((-44, 0, -30), (29, 0, 0), (0, 0, 60)), p.setts, (0.62, 0.6, 0.58))
 
@@ -80,8 +76,7 @@ def _west(b: Builder, p: Palette) -> None:
         b.put(box((0.8, 3.2, 0.8), (-X - 0.2, 1.6, z)), p.stone)
         b.put(box((1.0, 0.2, 1.0), (-X - 0.2, 3.3, z)), p.stone)
         b.put(
-            lathe([(0, 0.62), (0.2, 0.55), (0.28, 0.34), (0.2, 0.12), (0.12, 0.0)], 16).shift(-X - 0.2, 3.4, z),
-            p.stone,
+            lathe([(0, 0.62), (0.2, 0.55), (0.28, 0.34), (0.2, 0.12), (0.12, 0.0)], 16).shift(-X - 0.2, 3.4, z), p.stone
         )
     tints, shutters = (_CREAM, _GREY, _ROSE, _OCHRE), (_RED, _GREEN, _BLUE)
     back = tuple(House(8.0, 1 + k % 2, 3, k % 3 == 1, tints[k % 4], shutters[k % 3], k) for k in range(7))
@@ -155,11 +150,7 @@ def _ivy(b: Builder, p: Palette) -> None:
 
 def _routes() -> list[Route]:
     return [
-        walk(
-            "middle aisle eastwards",
-            [(-9.6, 1.65, -0.2), (6.5, 1.65, 0.1)],
-            [(-6.0, 1.7, -5.0), (13.5, 2.4, -3.2)],
-        ),
+        walk("middle aisle eastwards", [(-9.6, 1.65, -0.2), (6.5, 1.65, 0.1)], [(-6.0, 1.7, -5.0), (13.5, 2.4, -3.2)]),
         walk("north shops", [(-9.5, 1.6, -6.9), (9.0, 1.6, -7.0)], [(-5.5, 2.2, -10.0), (14.0, 2.4, -8.2)]),
         walk("books and papers", [(8.8, 1.6, 0.9), (-1.5, 1.6, 0.7)], [(4.8, 1.2, -4.5), (-5.5, 1.3, -4.5)]),
         walk("south stalls", [(-9.2, 1.6, 0.2), (4.5, 1.65, 0.5)], [(-5.0, 1.3, 4.2), (10.5, 1.4, 4.6)]),

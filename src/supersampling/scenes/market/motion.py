@@ -11,11 +11,7 @@ from supersampling.scenes.kit.shapes import Point, Shape, atlas_cell, join, tube
 from supersampling.scenes.kit.wheels import wheel
 from supersampling.scenes.market.materials import Palette
 
-LANE, REACH, HERTZ = (
-    -12.6,
-    6.0,
-    1 / 90,
-)  # the cart's lane x, how far it goes to both sides, its journeys a second
+LANE, REACH, HERTZ = (-12.6, 6.0, 1 / 90)  # the cart's lane x, how far it goes to both sides, its journeys a second
 WHEEL = 0.36
 
 
@@ -29,10 +25,7 @@ def hanging_sign(b: Builder, p: Palette, number: int, anchor: Point, turn: float
     ]
     bracket += [beam((0, 0.3, 0), (0, 0.0, 1.0), 0.015)]
     b.put(join(bracket).transform(place), p.iron)
-    faces = [
-        quad((0, -0.12, 0.3), (0, 0, -0.62), (0, -0.62, 0)),
-        quad((0, -0.12, -0.32), (0, 0, 0.62), (0, -0.62, 0)),
-    ]
+    faces = [quad((0, -0.12, 0.3), (0, 0, -0.62), (0, -0.62, 0)), quad((0, -0.12, -0.32), (0, 0, 0.62), (0, -0.62, 0))]
     boards = join([faces[0].shift(0.021, 0, 0), faces[1].shift(-0.021, 0, 0)])
     frame = [
         box((0.035, 0.66, 0.66), (0, -0.43, -0.01)),
@@ -74,18 +67,12 @@ def bunting(b: Builder, p: Palette, ends: tuple[Point, Point], seed: int, sag: f
     place[:3, :3] = np.stack([along, up, np.cross(along, up)], 1)
     place[:3, 3] = start
     motion = sway((0, 0, 0), (1, 0, 0), 9.0, 0.27 + 0.02 * seed, 1.1 * seed)
-    b.move(
-        [(tube(line, 0.008, 4), p.iron), (join(flags), p.bunting)],
-        chain(fixed(place), motion),
-    )
+    b.move([(tube(line, 0.008, 4), p.iron), (join(flags), p.bunting)], chain(fixed(place), motion))
 
 
 def cart(b: Builder, p: Palette) -> None:
     """Add a hand cart with crates and sacks that rolls to and fro along the west side; its wheels roll with it."""
-    sides = [
-        box((0.9, 0.06, 1.7), (0, 0.62, 0)),
-        *(box((0.04, 0.3, 1.7), (x, 0.78, 0)) for x in (-0.45, 0.45)),
-    ]
+    sides = [box((0.9, 0.06, 1.7), (0, 0.62, 0)), *(box((0.04, 0.3, 1.7), (x, 0.78, 0)) for x in (-0.45, 0.45))]
     sides += [box((0.9, 0.3, 0.04), (0, 0.78, z)) for z in (-0.84, 0.84)]
     sides += [beam((x, 0.6, 0.8), (x, 0.86, 1.7), 0.05) for x in (-0.3, 0.3)] + [
         beam((-0.36, 0.86, 1.68), (0.36, 0.86, 1.68), 0.04)

@@ -43,10 +43,7 @@ def _frame(site: Site, p: Palette, canvas: int, width: float) -> None:
     for x in (-width / 2, width / 2):
         for z, top in ((-0.85, 2.35), (0.85, 2.35), (0.0, 2.95)):
             site.put(beam((x, 0.0 if z else 2.3, z), (x, top, z), 0.06), p.wood)
-        site.put(
-            join([beam((x, 2.3, -0.9), (x, 2.3, 0.9), 0.05), beam((x, 2.92, 0), (x, 2.28, 1.2), 0.04)]),
-            p.wood,
-        )
+        site.put(join([beam((x, 2.3, -0.9), (x, 2.3, 0.9), 0.05), beam((x, 2.92, 0), (x, 2.28, 1.2), 0.04)]), p.wood)
     site.put(beam((-width / 2, 2.95, 0), (width / 2, 2.95, 0), 0.05), p.wood)
     half = canopy(width + 0.3, 1.3, 0.68)
     for turn in (0, 180):
@@ -86,10 +83,7 @@ def book_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:
     for row, (y, z) in enumerate(((0.85, -0.3), (1.22, -0.45), (1.59, -0.45))):
         site.put(box((width, 0.03, 0.3), (0, y - 0.015, z)), p.wood)
         for k in range(3):
-            site.put(
-                strip.map_uv((1, 1), (0.31 * k, (row + k + seed) % 4 / 4)).shift((k - 1) * 1.1, y, z),
-                p.spines,
-            )
+            site.put(strip.map_uv((1, 1), (0.31 * k, (row + k + seed) % 4 / 4)).shift((k - 1) * 1.1, y, z), p.spines)
     book = box((0.3, 0.36, 0.035), (0, 0.18, 0), fit=True)
     lean = rotation((1, 0, 0), -0.5)
     for row, (y, z) in enumerate(((0.86, 0.62), (0.92, 0.28))):
@@ -113,10 +107,7 @@ def press_stall(site: Site, p: Palette, seed: int, width: float = 3.4) -> None:
     lean = rotation((1, 0, 0), -0.65)
     for k in range(6):
         site.put(sheet.transform(lean).shift((k - 2.5) * 0.56, 0.87, 0.7), p.papers[k % 2])
-        site.put(
-            box((0.5, 0.1 + 0.03 * (k % 3), 0.36), ((k - 2.5) * 0.56, 0.91, 0.0), fit=True),
-            p.papers[(k + 1) % 2],
-        )
+        site.put(box((0.5, 0.1 + 0.03 * (k % 3), 0.36), ((k - 2.5) * 0.56, 0.91, 0.0), fit=True), p.papers[(k + 1) % 2])
         board(site, p, (p.papers, p.bills)[k % 2][k % 2], ((k - 2.5) * 0.56, 1.66, -0.7), (0.52, 0.6))
         board(site, p, p.bills[(k + seed) % 5], ((k - 2.5) * 0.56, 1.45, -0.9), (0.52, 0.7), flip=True)
         board(site, p, p.tags, ((k - 2.5) * 0.56, 1.24, -0.66), (0.5, 0.16), atlas_cell(2, 8, k + seed))

@@ -81,10 +81,7 @@ def louvres(size: int, seed: int, slats: int = 16) -> Maps:
 
 
 def awning(
-    size: int,
-    seed: int,
-    cloth: tuple[tuple[float, float, float], tuple[float, float, float]],
-    stripes: int = 4,
+    size: int, seed: int, cloth: tuple[tuple[float, float, float], tuple[float, float, float]], stripes: int = 4
 ) -> Texture:
     """Draw striped canvas with weave and sun-bleached folds, RGB; stripes run along v."""
     y, x = np.mgrid[:size, :size]
@@ -110,10 +107,7 @@ def fruit(size: int, seed: int, count: int, stops: tuple[tuple[float, ...], ...]
         )
         over = dome > height[window]
         blush = np.clip(rng.uniform(0.2, 0.8) + 0.35 * (u * np.cos(radius) + v), 0, 1)
-        height[window], tone[window] = (
-            np.where(over, dome, height[window]),
-            np.where(over, blush, tone[window]),
-        )
+        height[window], tone[window] = (np.where(over, dome, height[window]), np.where(over, blush, tone[window]))
     shade = np.clip(height / 1.2, 0.12, 1)
     grain = fractal(size, seed, 0.4)
     return (
@@ -133,9 +127,5 @@ def panes(size: int, seed: int) -> Texture:
     cloth = np.array([0.66, 0.62, 0.54]) * (0.45 + 0.5 * fold[..., None])
     lace = np.array([0.6, 0.6, 0.57]) * np.where(hole, 0.5, 1.0)[..., None]
     return picture(
-        np.where(
-            (y > 0.6)[..., None],
-            lace * (0.6 + 0.4 * fold[..., None]),
-            np.where(drawn[..., None], cloth, room),
-        )
+        np.where((y > 0.6)[..., None], lace * (0.6 + 0.4 * fold[..., None]), np.where(drawn[..., None], cloth, room))
     )

@@ -18,15 +18,7 @@ from supersampling.scenes.stk.placement import Placement, read_placement, triple
 _INVISIBLE_TYPES = {"billboard", "sfx-emitter", "action-trigger", "cutscene_camera"}
 _PHYSICS_ONLY = {"physics-only", "physicsonly"}
 # Script functions of objects' conditions that are true in a plain forward race.
-_HOLDS = {
-    "true",
-    "isTrackNotReverse",
-    "isNotReverse",
-    "isNotCTF",
-    "isNotNetworking",
-    "hasNoFlooding",
-    "showDoorClosed",
-}
+_HOLDS = {"true", "isTrackNotReverse", "isNotReverse", "isNotCTF", "isNotNetworking", "hasNoFlooding", "showDoorClosed"}
 _DEEPEST = 8
 
 

@@ -95,12 +95,7 @@ def star_plate(radius: float, points: int = 8) -> Shape:
     for k in range(points):
         a = 2 * np.pi * k / points
         corners: Floats = np.array(
-            [
-                (0.05, 0, 0.0),
-                (radius * 0.6, 0, radius * 0.16),
-                (radius, 0, 0),
-                (radius * 0.6, 0, -radius * 0.16),
-            ]
+            [(0.05, 0, 0.0), (radius * 0.6, 0, radius * 0.16), (radius, 0, 0), (radius * 0.6, 0, -radius * 0.16)]
         )
         flat = Shape(corners, np.tile([0.0, 1.0, 0.0], (4, 1)), corners[:, [0, 2]], np.array([[0, 1, 2], [0, 2, 3]]))
         blades.append(flat.transform(rotation((0, 1, 0), a)))

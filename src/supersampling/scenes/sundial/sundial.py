@@ -30,11 +30,7 @@ def _wall(site: Site, p: Palette, width: float, bays: int, door: int) -> None:
     It has a dado, a painted arcade, a frieze, a coping, and a door in one bay.
     """
     site.put(panel((0, DADO, 0), (width, 0, 0), (0, -DADO, 0)), p.dado)
-    site.put(
-        box((width, 0.09, 0.04), (width / 2, DADO, 0.02), ("front", "top", "bottom")),
-        p.lime,
-        (0.78, 0.6, 0.46),
-    )
+    site.put(box((width, 0.09, 0.04), (width / 2, DADO, 0.02), ("front", "top", "bottom")), p.lime, (0.78, 0.6, 0.46))
     site.put(box((width, 0.12, 0.03), (width / 2, 0.06, 0.015), ("front", "top")), p.lime, (0.5, 0.42, 0.36))
     step = width / bays
     for k in range(bays):
@@ -103,10 +99,7 @@ def _frames(b: Builder, p: Palette) -> None:
         b.put(beam((x, 0, 8.4), (x, 12.6, 8.4), 0.3), p.wood)
     timber = [beam((-1.6, y, 8.4), (9.8, y, 8.4), 0.22) for y in (12.3, 11.6)]
     timber += [beam((6.6, 12.3, 8.5), (6.6, 11.3, 6.7), 0.14), beam((6.6, 11.3, 6.7), (6.6, 11.0, 6.7), 0.14)]
-    timber += [
-        beam((-1.2, 12.3, 8.4), (-1.2, 11.0, 7.6), 0.14),
-        beam((4.4, 12.3, 8.4), (4.4, 11.0, 3.8), 0.14),
-    ]
+    timber += [beam((-1.2, 12.3, 8.4), (-1.2, 11.0, 7.6), 0.14), beam((4.4, 12.3, 8.4), (4.4, 11.0, 3.8), 0.14)]
     timber += [beam((x, 11.6, 8.4), (x, 11.2, 7.0), 0.08) for x in (-0.8, 8.4)] + [
         beam((-1.4, 11.2, 7.0), (9.6, 11.2, 7.0), 0.07)
     ]
@@ -126,19 +119,13 @@ def _movers(b: Builder, p: Palette) -> None:
     for k, (at, hertz) in enumerate((((8.6, 16.0, 2.1), 0.034), ((-1.0, 15.0, 6.8), -0.027))):
         turn = rotation((0, 1, 0), np.radians(facing))
         place = translation(at) @ turn
-        b.move(
-            [(laths, p.wood), (canvas, p.lime)],
-            chain(fixed(place), spin((0, 0, 0), (0, 0, 1), hertz, 0.6 * k)),
-        )
+        b.move([(laths, p.wood), (canvas, p.lime)], chain(fixed(place), spin((0, 0, 0), (0, 0, 1), hertz, 0.6 * k)))
     b.move([(parts.slatted_wheel(3.1), p.wood)], spin((6.6, 11.0, 6.7), (0, 1, 0), 0.045))
     level = translation((1.6, 11.0, 5.7)) @ rotation((0, 1, 0), np.radians(34))
     b.move([(parts.lattice_drum(1.7, 6.2), p.wood)], chain(fixed(level), spin((0, 0, 0), (1, 0, 0), 0.05)))
     cloth = parts.banner(1.5, 2.3)
     for k in range(5):
-        b.move(
-            [(cloth, p.lime)],
-            sway((-0.3 + 2.2 * k, 11.14, 7.0), (1, 0.1, 0), 17.0, 0.14 + 0.013 * k, 1.3 * k),
-        )
+        b.move([(cloth, p.lime)], sway((-0.3 + 2.2 * k, 11.14, 7.0), (1, 0.1, 0), 17.0, 0.14 + 0.013 * k, 1.3 * k))
     b.move([(parts.pierced_shade(0.46, 0.72), p.lime)], spin(LAMP, (0, 1, 0), 0.03))
     b.move([(parts.star_plate(0.42), p.lime)], spin((LAMP[0], LAMP[1] - 0.38, LAMP[2]), (0, 1, 0), -0.05))
 
@@ -161,29 +148,17 @@ def _routes() -> list[Route]:
 
     return [
         walk("north wall", [(-5.5, 1.65, 4.4), (2.6, 1.6, 4.6)], [(-3.0, 1.2, -7.0), (2.6, 1.2, -7.0)]),
-        walk(
-            "towards the north-west",
-            [(5.6, 1.65, 3.4), (0.4, 1.65, 2.6)],
-            [(-4.0, 0.9, -6.0), (-8.0, 0.9, -5.0)],
-        ),
+        walk("towards the north-west", [(5.6, 1.65, 3.4), (0.4, 1.65, 2.6)], [(-4.0, 0.9, -6.0), (-8.0, 0.9, -5.0)]),
         tripod("tripod before the dial", (0.6, 1.6, 5.6), (-1.2, 0.8, -5.0)),
         walk("west wall", [(4.6, 1.65, -4.4), (4.2, 1.6, 2.4)], [(-8.0, 1.0, -2.4), (-8.0, 1.0, 0.6)]),
         chamber_walk("round the lamp", 20.0),
         tripod("tripod in the chamber", _in_chamber(-30, 4.1, 1.5), _in_chamber(160, 4.8, 1.1)),
-        walk(
-            "along the west wall",
-            [(-4.6, 1.6, 5.2), (-4.9, 1.6, -0.6)],
-            [(-6.4, 1.0, -4.0), (-5.4, 0.9, -7.0)],
-        ),
+        walk("along the west wall", [(-4.6, 1.6, 5.2), (-4.9, 1.6, -0.6)], [(-6.4, 1.0, -4.0), (-5.4, 0.9, -7.0)]),
         tripod("tripod towards the west wall", (5.4, 1.6, 1.8), (-5.6, 0.9, -1.6)),
         tripod("tripod by the chamber's wall", _in_chamber(100, 4.2, 1.55), _in_chamber(-95, 4.8, 0.9)),
         chamber_walk("round the lamp, far side", 140.0),
         tripod("tripod over the floor", (-6.6, 2.1, 4.4), (-1.0, -0.4, -4.0)),
-        walk(
-            "over the dial's lines",
-            [(-1.4, 1.7, 5.4), (3.9, 1.7, 4.9)],
-            [(-4.6, 0.6, -4.0), (1.0, 0.7, -6.0)],
-        ),
+        walk("over the dial's lines", [(-1.4, 1.7, 5.4), (3.9, 1.7, 4.9)], [(-4.6, 0.6, -4.0), (1.0, 0.7, -6.0)]),
     ]
 
 

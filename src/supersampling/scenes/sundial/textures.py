@@ -126,21 +126,13 @@ def paving(size: int, seed: int, count: int = 4) -> Maps:
     y, x = np.mgrid[:size, :size] / size * count
     inset = np.maximum(0.5 - np.abs(x % 1 - 0.5), 0.5 - np.abs(y % 1 - 0.5))
     corner = (0.5 - np.abs(x % 1 - 0.5)) + (0.5 - np.abs(y % 1 - 0.5)) < 0.2
-    grain, cloud, vein = (
-        fractal(size, seed + 1, 0.4),
-        fractal(size, seed + 2, 1.2),
-        fractal(size, seed + 3, 1.1),
-    )
+    grain, cloud, vein = (fractal(size, seed + 1, 0.4), fractal(size, seed + 2, 1.2), fractal(size, seed + 3, 1.1))
     tone = np.clip(0.5 + 0.5 * (value - 0.5) + 0.4 * (cloud - 0.5) + 0.5 * (grain - 0.5), 0, 1)
     color = ramp(tone, [(0.62, 0.58, 0.5), (0.8, 0.76, 0.68), (0.9, 0.87, 0.8)])
     color *= (1 - 0.2 * np.clip(1 - np.abs(vein - 0.5) * 40, 0, 1))[..., None]
     color[corner] = ramp(grain, [(0.3, 0.17, 0.12), (0.52, 0.3, 0.21)])[corner]
     color = np.where(inside[..., None] > 0.5, color, 0.4)
-    return (
-        picture(color),
-        normals(height + 0.2 * grain + 0.1 * (inset > 0.2), 3.0),
-        surface(0.72 + 0.2 * grain),
-    )
+    return (picture(color), normals(height + 0.2 * grain + 0.1 * (inset > 0.2), 3.0), surface(0.72 + 0.2 * grain))
 
 
 def stucco(size: int, seed: int) -> Maps:

@@ -98,11 +98,7 @@ def carved(relief: Field, seed: int, stops: Stops, depth: float, metallic: float
     surface = textures.surface(
         np.clip(rough + 0.3 * grain + 0.35 * hollow, 0, 1), metallic * (1 - 0.7 * np.clip(hollow, 0, 1))
     )
-    return (
-        textures.picture(textures.ramp(tone, stops)),
-        textures.normals(relief + 0.06 * grain, depth),
-        surface,
-    )
+    return (textures.picture(textures.ramp(tone, stops)), textures.normals(relief + 0.06 * grain, depth), surface)
 
 
 class Materials:
@@ -128,9 +124,7 @@ class Materials:
         self.scale = self._maps("scale", carved(scale_ring(4096, 128), 29, bronze, 2.5, 1.0, 0.3), 1.0)
         self.bands = [
             self._maps(
-                f"band {k}",
-                carved(raised_letters(t, 2048, 128, 62, 1), 33 + k, (bronze, ivory)[k], 5.0, 1.0 - k),
-                1.0,
+                f"band {k}", carved(raised_letters(t, 2048, 128, 62, 1), 33 + k, (bronze, ivory)[k], 5.0, 1.0 - k), 1.0
             )
             for k, t in enumerate(BANDS)
         ]

@@ -85,19 +85,10 @@ def _furniture(b: Builder, m: Materials) -> None:
                 b.put(box((0.08, 0.83, 0.08), (u, 0.415, w)).turn_y(turn).shift(x, 0, z), m.oak)
         for k, u in enumerate((-0.85, -0.45, -0.05, 0.35, 0.8)):
             vase = lathe(
-                [
-                    (0, 0.3),
-                    (0.05, 0.3),
-                    (0.08, 0.22),
-                    (0.1 + 0.02 * (k % 3), 0.12),
-                    (0.06, 0.03),
-                    (0.08, 0.0),
-                ],
-                24,
+                [(0, 0.3), (0.05, 0.3), (0.08, 0.22), (0.1 + 0.02 * (k % 3), 0.12), (0.06, 0.03), (0.08, 0.0)], 24
             )
             b.put(
-                vase.shift(u, 0.895, 0.1 * (k % 2)).turn_y(turn).shift(x, 0, z),
-                (m.stone, m.bronze, m.scrolls)[k % 3],
+                vase.shift(u, 0.895, 0.1 * (k % 2)).turn_y(turn).shift(x, 0, z), (m.stone, m.bronze, m.scrolls)[k % 3]
             )
     for (x, y, z), _ in LAMPS:
         way = np.array([-x, 1.3 - y, -z]) / np.linalg.norm([-x, 1.3 - y, -z])
