@@ -11,20 +11,10 @@ from typing import Generic, TypeVar
 
 from supersampling.reporting.papers.schema import Selection
 from supersampling.reporting.settings import Choice, Setting, newest
+from supersampling.runs.keys import compared_parameters
 from supersampling.runs.store import Run
 
-RESULT_SETTINGS = (
-    "model.",
-    "task.",
-    "loss",
-    "optimizer",
-    "augment",
-    "pick",
-    "trainer.precision",
-    "budget.",
-    "data.train.",
-    "protocol",
-)
+RESULT_SETTINGS = compared_parameters()
 # Settings that a data set and a budget derive from the task.
 FOLLOWS_TASK = {"data.train", "budget.crop"}
 Key = TypeVar("Key", bound=Hashable)

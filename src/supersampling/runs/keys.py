@@ -19,34 +19,40 @@ class Effect(Enum):
 
 @dataclass(frozen=True)
 class Key:
-    """A key's effect, whether it concerns learned methods only, and whether MLflow shows it as a parameter."""
+    """The meaning of one key.
+
+    Attributes:
+        learned: whether it concerns learned methods only.
+        shown: whether MLflow shows it as a parameter.
+        compared: the beginning of those of its parameters that tell configurations of a method apart in reports; empty if
+            none does.
+    """
 
     effect: Effect
     learned: bool = False
     shown: bool = True
+    compared: str = ""
 
 
-_WEIGHTS = Key(Effect.WEIGHTS)
-_TRAINING = Key(Effect.WEIGHTS, learned=True)
 _NOTHING = Key(Effect.NOTHING, shown=False)
 _COMMAND = Key(Effect.COMMAND, shown=False)
 
 KEYS: dict[str, Key] = {
-    "model": _WEIGHTS,
-    "task": _WEIGHTS,
+    "model": Key(Effect.WEIGHTS, compared="model."),
+    "task": Key(Effect.WEIGHTS, compared="task."),
     "tune": Key(Effect.WEIGHTS, shown=False),
-    "loss": _TRAINING,
-    "pick": _TRAINING,
-    "augment": _TRAINING,
-    "optimizer": _TRAINING,
-    "budget": _TRAINING,
-    "trainer": _TRAINING,
+    "loss": Key(Effect.WEIGHTS, learned=True, compared="loss"),
+    "pick": Key(Effect.WEIGHTS, learned=True, compared="pick"),
+    "augment": Key(Effect.WEIGHTS, learned=True, compared="augment"),
+    "optimizer": Key(Effect.WEIGHTS, learned=True, compared="optimizer"),
+    "budget": Key(Effect.WEIGHTS, learned=True, compared="budget."),
+    "trainer": Key(Effect.WEIGHTS, learned=True, compared="trainer.precision"),
     "trainer.enable_progress_bar": Key(Effect.NOTHING),
     "trainer.accelerator": Key(Effect.NOTHING),
     "trainer.devices": Key(Effect.NOTHING),
-    "seed": _TRAINING,
-    "protocol": Key(Effect.SCORES),
-    "data": Key(Effect.CONTENT),
+    "seed": Key(Effect.WEIGHTS, learned=True),
+    "protocol": Key(Effect.SCORES, compared="protocol"),
+    "data": Key(Effect.CONTENT, compared="data.train."),
     "scene": Key(Effect.CONTENT, shown=False),
     "path": Key(Effect.CONTENT, shown=False),
     **dict.fromkeys(("metrics", "paths", "logger", "tracking_uri", "experiment_name", "hydra"), _NOTHING),
@@ -99,3 +105,8 @@ def is_shown(key: str, learned: bool) -> bool:
     """Return whether MLflow shows a key or group as a parameter of a run."""
     entry = KEYS.get(key.replace("/", ".").partition(".")[0], _NOTHING)
     return entry.shown and (learned or not entry.learned)
+
+
+def compared_parameters() -> tuple[str, ...]:
+    """Return the beginnings of all parameters that tell configurations of a method apart in reports."""
+    return tuple(key.compared for key in KEYS.values() if key.compared)
