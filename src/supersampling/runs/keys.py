@@ -24,8 +24,7 @@ class Key:
     Attributes:
         learned: whether it concerns learned methods only.
         shown: whether MLflow shows it as a parameter.
-        compared: the beginning of those of its parameters that tell configurations of a method apart in reports; empty if
-            none does.
+        compared: the beginning of its parameters that tell configurations of a method apart in reports, empty if none.
     """
 
     effect: Effect
