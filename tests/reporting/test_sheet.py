@@ -54,7 +54,7 @@ def test_latex_escapes_and_has_as_many_cells_in_each_line() -> None:
     ],
 )
 def test_ranks_count_values_as_printed(values: list[float], better: str, expected: list[str]) -> None:
-    metric = Metric(label="PSNR", unit="dB", better=better, decimals=2, ours="psnr")  # type: ignore[arg-type]
+    metric = Metric(label="PSNR", unit="dB", better=better, decimals=2, logged="psnr")  # type: ignore[arg-type]
     styles = ranks({(0, index): value for index, value in enumerate(values)}, metric)
     assert [styles[0, index] for index in range(len(values))] == expected
 
