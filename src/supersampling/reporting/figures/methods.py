@@ -42,9 +42,8 @@ def section(report: Report) -> Section | None:
         (
             "training",
             trained,
-            f"Training loss and validation PSNR by step, a line a seed, of {trained} of {len(learned)} learned "
-            "methods, "
-            "each in its leading configuration. Losses of different kinds do not compare.",
+            f"Training loss and validation PSNR by step, one line per seed, of {trained} of {len(learned)} learned "
+            "methods, each in its leading configuration. Losses of different kinds do not compare.",
         ),
         (
             "frames",

@@ -69,12 +69,10 @@ def _answers(rows: list[Row], machines: str) -> Sheet:
         for row in rows
     ]
     notes = [
-        "The cheapest composition whose loss against the best of the search lies within the margin by the end of its "
-        "95% "
-        "interval, paired over test clips and seeds. Open: cheaper ones of which the interval says neither; more seeds "
-        "or clips "
-        "would tell.",
-        f"Milliseconds a frame in streaming use, of so many rendered pixels: {machines}.",
+        "The cheapest composition whose loss against the best of the search lies within the margin at the far end of "
+        "its 95% interval, paired over test clips and seeds. Open: the number of cheaper compositions whose interval "
+        "does not decide; more seeds or clips would.",
+        f"Milliseconds per frame in streaming use, at the rendered size: {machines}.",
     ]
     heads = ["scene", "space", "answer", "loss, dB", "margin", "rendered", "ms", "best's ms", "open"]
     return Sheet(name="advice", title="What scenes require.", headers=heads, rows=body, labels=3, notes=notes)
@@ -94,15 +92,13 @@ def _savings(rows: list[Row]) -> Sheet:
         for row in rows
     ]
     notes = [
-        "Buffers are those that some composition of the space reads and the answer does not; MB a frame. Trainings, "
-        "optimizer "
-        "steps and minutes of training: of the search, and of a walk over the whole space by the last round's "
-        "trainings (its "
-        "minutes in proportion to its steps)."
+        "Buffers left out: those that some composition of the space reads and the answer does not; MB per frame. "
+        "Trainings, optimizer steps and minutes of training: of the search, and of a walk over the whole space with "
+        "the last round's trainings (its minutes in proportion to its steps)."
     ]
     return Sheet(
         name="advice_saved",
-        title="What the advice saves, and what it took.",
+        title="What the advice saves, and what it cost.",
         headers=["scene", "space", "buffers left out", "MB", "trainings", "steps", "minutes"],
         rows=body,
         labels=3,
@@ -134,11 +130,10 @@ def _parts(space: str, tables: dict[str, pd.DataFrame]) -> Sheet:
                 ]
             )
     notes = [
-        "Mean paired difference over the pairs of compositions that differ in the part alone, and over clips and "
-        "seeds, with its "
-        "95% interval; milliseconds a frame that it takes; the last round that has such a pair, and how many. What was "
-        "not "
-        "searched cannot matter on the scene by what its files hold."
+        "Mean paired difference over the pairs of compositions that differ only in the part, and over clips and "
+        "seeds, with its 95% interval; the milliseconds per frame that the part takes; the last round with such a "
+        "pair, and the number of pairs. A part that was not searched cannot matter on the scene, according to the "
+        "content of its files."
     ]
     return Sheet(
         name=f"advice_{space}",

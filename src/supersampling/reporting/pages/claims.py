@@ -29,7 +29,7 @@ WORDS = [
     Text("unresolved", "bold"),
     Text(": neither; "),
     Text("not run", "bold"),
-    Text(": runs are missing. Of twenty intervals one misses the truth by chance."),
+    Text(": runs are missing. One of twenty intervals misses the truth by chance."),
 ]
 
 

@@ -62,10 +62,9 @@ def _verdicts(table: pd.DataFrame, source: str) -> list[Sheet]:
     groups = list(dict.fromkeys(map(_group, table["extreme"])))
     extremes = sorted(dict.fromkeys(table["extreme"]), key=lambda name: groups.index(_group(name)))
     notes = [
-        "✓ holds: finite, and within the stated tolerance of the same model in float64, in every precision that was "
-        "tried; its "
-        "gradients are finite, too. ✗ fails in the precisions named. – not tried. Empty: the model has nothing of the "
-        "kind.",
+        "✓ holds: in every precision that was tried, finite, and within the stated tolerance of the same model in "
+        "float64; its gradients are finite, too. ✗ fails in the named precisions. – not tried. Empty: does not apply "
+        "to the model.",
         *compositions,
         source,
     ]
@@ -124,10 +123,9 @@ def _recovery(table: pd.DataFrame, source: str) -> Sheet:
     heads, compositions = _heads(models)
     cells = {(row["extreme"], row["model"]): row for _, row in table.iterrows()}
     notes = [
-        "Frames, the bad one among them, until the output is finite and half a step of 8 bits from the undisturbed "
-        "roll-out, for "
-        "good. “finite” where the distance still shrinks at the end: how fast a history is replaced, the model's gates "
-        "say.",
+        "The number of frames, including the bad one, after which the output stays finite and within half an 8-bit "
+        "step of the undisturbed roll-out. “finite”: the distance still shrinks at the end; the model's gates decide "
+        "how fast a history is replaced.",
         *compositions,
         source,
     ]
@@ -162,11 +160,10 @@ def _divergence(table: pd.DataFrame, source: str) -> Sheet:
         growth = [_growth(cells.get((kernel, motion)), motion) for motion in GROWTH]
         rows.append([Text(kernel.removeprefix("reproject=")), Text(gain), *growth])
     notes = [
-        "Growth per frame of an error while the image stands, and moves to and fro; beside it the kernel's largest "
-        "gain at half "
-        "a pixel. One way: the largest factor while noise moves out of the image. The last three: RMS difference after "
-        "a shaken "
-        "roll-out of TUS that takes up no samples, with its history clamped, and with samples.",
+        "Growth of an error per frame while the image stands still, and while it moves to and fro. Gain: the kernel's "
+        "largest gain at half a pixel. One way: the largest factor while noise moves out of the image. The last "
+        "three: RMS difference after a shaken roll-out of TUS that takes up no samples, with its history clamped, and "
+        "with samples.",
         source,
     ]
     return Sheet(

@@ -21,17 +21,15 @@ LOST = "–"
 LEADS = 4
 WORDS = [
     Text(
-        "Published numbers come from another data set than ours: compare differences and orders, not values. Of ours, "
-        "the "
-        "best of each comparison is set in "
+        "Published numbers come from another data set than ours: compare differences and orders, not values. Of our "
+        "numbers, the best of each comparison is set in "
     ),
     Text("bold", "bold"),
     Text(", the second of three or more is "),
     Text("underlined", "underline"),
     Text(
-        ". A value’s ± is half its 95% bootstrap interval over test clips. A dash is a number that the paper does not "
-        "give "
-        "or its text lost."
+        ". A value’s ± is half its 95% bootstrap interval over test clips. A dash marks a number that the paper does "
+        "not give, or that is lost in its text."
     ),
 ]
 Styles = Mapping[tuple[int, int, str], Style]
@@ -142,9 +140,9 @@ def _notes(filled: Filled, paper: Paper) -> list[str]:
     if seeds[-1] > 1:
         notes.append(f"Mean over {' to '.join(str(n) for n in sorted({seeds[0], seeds[-1]}))} seeds.")
     if table.source == "run":
-        notes.append("Ours are numbers that the runs logged; they have no interval.")
+        notes.append("Our numbers are those that the runs logged; they have no interval.")
     if any(paper.metrics[name].logged == "mssim_thesis" for _, _, name in filled.values):
-        notes.append("SSIM after the thesis's definition (mssim_thesis).")
+        notes.append("SSIM by the thesis's definition (mssim_thesis).")
     if 0 < len(filled.gaps) <= LEADS:
         leads = "; ".join(f"{name} {_interval(gap)}" for name, gap in filled.gaps.items())
         notes.append(f"Lead of our best over our second PSNR in dB, paired over clips: {leads}.")

@@ -43,7 +43,7 @@ def draw(trade: Trade, place: Place, path: Path) -> bool:
         ax.set_xscale("log")
         ax.margins(x=0.12, y=0.12)
         _set_ticks(ax)
-        ax.set_xlabel(f"milliseconds a frame, {place.width}x{place.height}, {place.device}")
+        ax.set_xlabel(f"milliseconds per frame, {place.width}x{place.height}, {place.device}")
         ax.set_ylabel("PSNR (dB)")
         _add_legend(figure, candidates)
         figure.canvas = FigureCanvasAgg(figure)

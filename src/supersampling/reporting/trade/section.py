@@ -13,9 +13,8 @@ TITLE = "Quality against time"
 NOT_MEASURED = "No times of these methods were measured yet: python benchmark.py run=all measures them."
 CAPTION = (
     "Quality against time. Bars: the 95% interval of the paired difference to the best, and the time's quartiles. The "
-    "dashed "
-    "line is what is reached at each time. The leading configuration of each model is named, at its fastest float32 "
-    "point."
+    "dashed line is the best quality that is reached at each time. The leading configuration of each model is named, "
+    "at its fastest float32 point."
 )
 
 

@@ -106,13 +106,12 @@ def _front_sheet(trade: Trade, place: Place, index: int) -> Sheet:
     clips = max(c.quality.clips for c in candidates)
     notes = [
         f"{place}; batch 1, one frame at a time with its state. Median, and its quartiles in brackets.",
-        f"PSNR: mean over {clips} test clips ± half the 95% interval over scenes and seeds; of a lower precision with "
-        "what "
-        "that was measured to cost. Δ is paired over clips, and so far narrower.",
+        f"PSNR: mean over {clips} test clips ± half the 95% interval over scenes and seeds; that of a lower precision "
+        "includes its measured cost. Δ is paired over clips, so its interval is much narrower.",
         "“front”: no other is as fast and better, or as good and faster, by their means.",
     ]
     if len(candidates) < sum(Place.of(c.timing) == place for c in trade.candidates):
-        notes.append("Of each method and precision the fastest backend stands here; the CSV file has all.")
+        notes.append("Only the fastest backend of each method and precision is listed; the CSV file has all.")
     return Sheet(
         name="trade" if index == 0 else f"trade_{index + 1}",
         title="Quality against time.",
@@ -161,11 +160,9 @@ def _precision_sheet(trade: Trade) -> Sheet:
         for c in sorted(trade.changes, key=lambda c: (c.method, c.precision, c.backend))
     ]
     notes = [
-        "Against the same weights in PyTorch's float32, both over whole clips with a state of their own: paired, ± "
-        "half the 95% "
-        "interval over scenes. Drift is the slope of a straight line through each clip's differences. The largest "
-        "difference "
-        "is of any pixel of any frame, of a range of 1."
+        "Differences to the same weights in PyTorch's float32, each over whole clips with its own state: paired, ± "
+        "half the 95% interval over scenes. Drift is the slope of a straight line through each clip's differences. "
+        "The largest difference is that of any pixel of any frame, in a range of 1."
     ]
     return Sheet(
         name="precision",
@@ -222,7 +219,7 @@ def _missing_sheet(missing: Sequence[Timing]) -> Sheet:
             names.append(t.method)
     return Sheet(
         name="not_timed",
-        title="What has no time.",
+        title="Methods without a time.",
         headers=["backend", "precision", "why", "methods"],
         rows=[[*map(Text, reason), Text(", ".join(names))] for reason, names in by_reason.items()],
         labels=4,
