@@ -10,7 +10,6 @@ import yaml
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
-from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import ConfigCompositionException, HydraException
 from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
@@ -59,16 +58,23 @@ def group_options(group: str) -> list[str]:
     return sorted(path.stem for path in folder.glob("*.yaml"))
 
 
+def read_option(path: Path) -> tuple[dict[str, Any], list[Path]]:
+    """Return the content of an option's file, and the files of its own group that it is based on."""
+    content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    if not isinstance(content, dict):
+        return {}, []
+    names = [entry for entry in content.get("defaults", []) if isinstance(entry, str) and entry.isidentifier()]
+    files = [path.with_name(f"{name}.yaml") for name in names]
+    return content, [file for file in files if file.exists()]
+
+
 @lru_cache
 def published_stages(model: str) -> Mapping[str, str]:
     """Return the option of each slot that a model is published with: the defaults of ``conf/model/<model>.yaml``."""
-    path = resources() / "conf" / "model" / f"{model}.yaml"
-    content: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
-    stages: dict[str, str] = {}
+    content, bases = read_option(resources() / "conf" / "model" / f"{model}.yaml")
+    stages = {slot: option for base in bases for slot, option in published_stages(base.stem).items()}
     for entry in content.get("defaults", []):
-        if isinstance(entry, str) and entry != "_self_":
-            stages |= published_stages(entry)
-        elif isinstance(entry, dict):
+        if isinstance(entry, dict):
             stages |= {str(slot).removeprefix("override ").strip("/"): str(option) for slot, option in entry.items()}
     return stages
 
@@ -86,8 +92,3 @@ def key_of(override: str) -> str:
 def choices() -> dict[str, Any]:
     """Return the selected option of each group of the running command."""
     return dict(HydraConfig.get().runtime.choices)
-
-
-def parsed(overrides: Sequence[str]) -> list[Any]:
-    """Return Hydra's own reading of overrides."""
-    return list(OverridesParser.create().parse_overrides(list(overrides)))

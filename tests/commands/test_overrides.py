@@ -82,3 +82,10 @@ def test_what_moved_is_gone():
         for command in COMMANDS:
             if "." in key:
                 assert answer(command, f"{key}=1")
+
+
+@pytest.mark.parametrize("flag", [["--config-dir", "FOLDER"], ["--config-dir=FOLDER"], ["hydra.searchpath=[FOLDER]"]])
+def test_options_of_a_folder_of_the_user_s_own_are_left_to_hydra(flag):
+    with pytest.raises(UserError, match="Unknown option experiment=mine"):
+        check_overrides("train", ["experiment=mine"])
+    check_overrides("train", [*flag, "experiment=mine", "model=dlctus"])

@@ -105,8 +105,6 @@ def launch(name: str, arguments: Sequence[str]) -> None:
         if sentence is None:
             raise
         _exit_with(UserError(sentence))
-    if FAILED:
-        sys.exit(FAILED[0])
 
 
 def _exit_with(error: UserError) -> None:
@@ -139,7 +137,7 @@ def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
         status = task(cfg)
     except (Exception, KeyboardInterrupt, SystemExit) as error:
         status = _status_of(error)
-    if isinstance(status, int) and not isinstance(status, bool) and status:
+    if isinstance(status, int) and status:
         if not _is_multirun():
             sys.exit(status)
         FAILED.append(status)

@@ -1,14 +1,11 @@
-"""Wrong switches on a command line, each answered by one sentence that names the right one before anything is
-rendered."""
+"""Wrong switches on a command line, each answered by one sentence before anything is rendered."""
 
 import re
 from collections.abc import Iterator, Sequence
-from typing import Any
 
-import yaml
 from hydra.errors import ConfigCompositionException, MissingConfigException, OverrideParseException
 
-from supersampling.config import composed, group_options, key_of, published_stages
+from supersampling.config import composed, group_options, key_of, published_stages, read_option
 from supersampling.errors import UserError
 from supersampling.resources import resources
 
@@ -39,10 +36,15 @@ def check_overrides(command: str, arguments: Sequence[str]) -> None:
             raise UserError(
                 f"{word} puts a word in the place of a configured part: write {group}={value}, with a slash."
             )
-        if options and "." not in key:
+        if options and "." not in key and not _adds_options(arguments):
             for option in _simple_values(value):
                 if option not in options:
                     raise UserError(f"Unknown option {key}={option}: use {', '.join(options)}.")
+
+
+def _adds_options(arguments: Sequence[str]) -> bool:
+    """Return whether the command line names folders with options of the user's own: then only Hydra knows them all."""
+    return any(word.startswith(("--config-dir", "-cd", "hydra.searchpath=")) for word in arguments)
 
 
 def _overrides(arguments: Sequence[str]) -> Iterator[str]:
@@ -55,8 +57,7 @@ def _simple_values(value: str) -> list[str]:
 
 
 def explanation(command: str, arguments: Sequence[str], error: Exception) -> str | None:
-    """Return one sentence for an error of Hydra's while it composed a command line, None if the mistake is not the
-    user's."""
+    """Return one sentence for an error of Hydra's composition, None if the mistake is not the user's."""
     text = str(error)
     if isinstance(error, OverrideParseException):
         return (
@@ -97,16 +98,12 @@ def _missing_setting(command: str, arguments: Sequence[str], key: str) -> str:
 
 def _selected(command: str, arguments: Sequence[str], group: str) -> str:
     """Return the option of a group that the rest of the command line selects."""
-    rest = [
-        word
-        for word in _overrides(arguments)
-        if key_of(word) != group and not key_of(word).startswith((f"{group}.", f"{group}/"))
-    ]
-    rest += [word.partition(",")[0] for word in _overrides(arguments) if key_of(word) == group]
+    parts = (f"{group}.", f"{group}/")
+    words = [word for word in _overrides(arguments) if not key_of(word).startswith(parts)]
+    words = [word.partition(",")[0] if key_of(word) == group else word for word in words]  # the first of a sweep
+    words = [word for word in words if "," not in word or "[" in word]
     try:
-        return str(
-            composed(command, [word for word in rest if "," not in word or "[" in word]).choices.get(group, "default")
-        )
+        return str(composed(command, words).choices.get(group, "default"))
     except UserError:
         return "default"
 
@@ -116,8 +113,7 @@ def _settings(group: str, option: str) -> list[str]:
     path = resources() / "conf" / group / f"{option}.yaml"
     if not path.is_file():
         return []
-    content: dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8")) or {}
-    bases = [entry for entry in content.get("defaults", []) if isinstance(entry, str) and entry.isidentifier()]
-    inherited = [name for base in bases for name in _settings(group, base)]
+    content, bases = read_option(path)
+    inherited = [name for base in bases for name in _settings(group, base.stem)]
     names = [str(name) for name in content if name != "defaults" and not str(name).startswith("_")]
     return list(dict.fromkeys([*inherited, *names]))

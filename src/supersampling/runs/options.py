@@ -12,8 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import yaml
-
+from supersampling.config import read_option
 from supersampling.errors import UserError
 from supersampling.resources import resources
 
@@ -49,15 +48,11 @@ class Options:
 
 
 def _target_of(path: Path) -> str | None:
-    """Return the class of a file, read from the files of its own group that it is based on where it names none."""
-    content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    if not isinstance(content, dict):
-        return None
+    """Return the class that a file names, or else that of the last file in its group that it is based on."""
+    content, bases = read_option(path)
     if TARGET in content:
         return str(content[TARGET])
-    bases = [entry for entry in content.get("defaults", []) if isinstance(entry, str) and entry.isidentifier()]
-    files = [path.with_name(f"{base}.yaml") for base in bases]
-    targets = [target for file in files if file.exists() and (target := _target_of(file))]
+    targets = [target for base in bases if (target := _target_of(base))]
     return targets[-1] if targets else None
 
 
@@ -84,8 +79,7 @@ def described(config: Any) -> Any:
 
 
 def restored(config: Any, source: str) -> Any:
-    """Return a model's configuration as `described` read it, for Hydra to instantiate: only options of ``conf/model``
-    come out.
+    """Return a model's configuration as `described` read it, for Hydra to instantiate: only options of ``conf/model``.
 
     Args:
         source: where the configuration was read, for messages.
@@ -116,7 +110,6 @@ def _class_path(config: Mapping[Any, Any], source: str) -> str:
     if path is None or not option.startswith(("model=", "model/")):
         raise UserError(
             f"{source} names {name}, which is neither a model nor a stage of conf/model, so it was not loaded: use the "
-            "version "
-            "that wrote it or, if you trust the file, set model=... as it was trained."
+            "version that wrote it or, if you trust the file, set model=... as it was trained."
         )
     return path

@@ -1,5 +1,4 @@
-"""Rows that tell whether an evaluation can be trusted: the scores of the targets themselves, and of the raw
-rendering."""
+"""Rows that tell whether an evaluation can be trusted: scores of the targets themselves, and of the raw rendering."""
 
 import hashlib
 from collections.abc import Mapping

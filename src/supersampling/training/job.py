@@ -33,8 +33,7 @@ Files = Mapping[str, list[Path]]
 
 
 def fitting_buffers(cfg: DictConfig) -> frozenset[str]:
-    """Return all buffers that decide a configuration's weights or constants: its model, loss and window choice read
-    them."""
+    """Return the buffers that decide a configuration's weights or constants: those of model, loss and window choice."""
     model: Upsampler = instantiate(cfg.model)
     names = model.requires | {"target"}
     if is_learned(model):
