@@ -179,8 +179,7 @@ def warp_images(check: WarpCheck) -> dict[str, Picture]:
 
 @torch.inference_mode()
 def upsample(model: Upsampler, clip: Clip) -> Iterator[Tensor]:
-    """Yield the output for each frame of a clip in order, ``(3, H, W)`` in [0, 1]; the state is carried between
-    frames."""
+    """Yield the output for each frame of a clip, ``(3, H, W)`` in [0, 1]; the state is carried along."""
     state: Any = None
     for t in range(len(clip)):
         frame = clip.frame(t)

@@ -23,8 +23,7 @@ def chain(error: BaseException | None) -> Iterator[BaseException]:
 
 
 def find_user_error(error: BaseException) -> UserError | None:
-    """Return the first mistake of the user's along an exception's chain of causes (Hydra wraps what a constructor
-    raises)."""
+    """Return the first user mistake along an exception's chain of causes: Hydra wraps what a constructor raises."""
     for cause in chain(error):
         if isinstance(cause, UserError):
             return cause
@@ -41,8 +40,7 @@ def was_interrupted(error: BaseException) -> bool:
 
 
 def clear_traceback_frames(error: BaseException) -> None:
-    """Clear the local variables along an exception's chain of causes, so that half-done transactions and files are
-    closed.
+    """Clear the local variables along an exception's chain of causes: that closes half-done transactions and files.
 
     Frames that still run keep theirs; the stack trace stays.
     """

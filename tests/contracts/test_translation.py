@@ -1,9 +1,8 @@
 """An image moved by whole pixels gives an output moved by as many, away from borders.
 
 The low-resolution buffers are moved by 4 pixels and rolled round, at a scale of 2: by 8 target pixels. That is a
-multiple of
-all that pools or works in blocks: DLCTUS's network (4 target pixels), NSRR's U-Net (4), ENSS's motion blocks (8) and
-NSRD's U (4 low-resolution pixels). By other amounts these methods do not commute, and should not.
+multiple of all that pools or works in blocks: DLCTUS's network (4 target pixels), NSRR's U-Net (4), ENSS's motion
+blocks (8) and NSRD's U (4 low-resolution pixels). By other amounts these methods do not commute, and should not.
 """
 
 import copy

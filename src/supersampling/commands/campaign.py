@@ -18,8 +18,7 @@ INTERRUPTED = 130
 
 
 def commands(arguments: Sequence[str], folder: Path | None = None) -> list[list[str]]:
-    """Return the arguments of each sweep's command; an empty list for a single sweep or none, which need no process of
-    their own.
+    """Return the arguments of each sweep's command; an empty list if there is one sweep or none.
 
     Args:
         folder: of the sweeps' files.

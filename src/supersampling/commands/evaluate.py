@@ -33,8 +33,7 @@ RECORDINGS = {"display": (".png", DisplayImages), "radiance": (".exr", RadianceI
 
 
 def evaluate(cfg: DictConfig) -> None:
-    """Score the configured method, or frames that another program upscaled, print a table by scene, and log it to
-    MLflow.
+    """Score the configured method, or frames that another program upscaled, print a table by scene, log it.
 
     A method's evaluation is a run of kind ``evaluation``; frames of another program become baselines (kind ``job``),
     which are scored once, as are the reference and the raw input (kind ``sanity``).

@@ -24,8 +24,7 @@ def pick(cfg: DictConfig) -> None:
 
     Settings: ``tracking_uri``, ``experiment_name``, ``dataset`` (a fingerprint's first characters), ``data`` and
     ``task.scale`` if the command line sets them, ``size`` (the target's, null for the one with most times), ``low_ms``
-    and
-    ``high_ms``.
+    and ``high_ms``.
 
     Raises:
         UserError: an invalid limit, both limits or none, a store, data set or size without times.

@@ -7,8 +7,7 @@ from supersampling.errors import UserError
 
 
 def as_typed(cfg: DictConfig, key: str) -> str | None:
-    """Return the setting as the user typed it: Hydra reads ``3e7`` and ``95e41234``, both beginnings of ids, as
-    numbers.
+    """Return the setting as the user typed it: Hydra reads ids such as ``3e7`` and ``95e41234`` as numbers.
 
     Raises:
         UserError: a number that did not come from the command line, so that its text is unknown.

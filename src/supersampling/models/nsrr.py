@@ -71,9 +71,8 @@ class PreviousFrames(Previous):
     The paper warps a frame's features "iteratively until each previous frame is warped to the current one": frame
     ``t - k`` to ``t - k + 1`` by that frame's motion, and so on to ``t``. All of these warps except the last were
     computed when the frames in between were current, so the state holds the window as it was warped then, and one warp
-    of the
-    whole window by the newest motion completes it: the same numbers with one warp per step. Features of a frame are
-    extracted once, when it arrives.
+    of the whole window by the newest motion completes it: the same numbers with one warp per step. Features of a frame
+    are extracted once, when it arrives.
 
     A clip's first frame stands in for the frames before it, as if nothing had moved until then: the paper does not say,
     and training on full windows has not shown the network any other case.

@@ -53,8 +53,7 @@ def find_groups(runs: Sequence[Run], key: str, name: str) -> list[Group]:
     ``name=value``.
 
     ``dlctus``, ``dlctus loss.theta=0.1``, ``tus rectify=none``, ``3ad14ce7``. A method's name means its published
-    stages if
-    such a run exists, and only jobs: an evaluation is selected by its id.
+    stages if such a run exists, and only jobs: an evaluation is selected by its id.
 
     Args:
         key: the setting that holds the name, for messages.

@@ -27,8 +27,7 @@ def fit(
 
     The checkpoint is written after every epoch and holds weights, optimizer, schedule and counters. Samples depend on
     their index only, so an interrupted run reaches the weights of an uninterrupted one. The checkpoint also holds the
-    configuration
-    that is needed to use it: see `supersampling.runs.checkpoint`.
+    configuration that is needed to use it: see `supersampling.runs.checkpoint`.
     """
     L.seed_everything(cfg.seed, workers=True, verbose=False)
     model: Upsampler = instantiate(cfg.model)
