@@ -1,18 +1,21 @@
 """Fixtures shared by all tests: pinned threads, and an analytic clip with a closed-form reference."""
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
+from answers import Answer
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from numpy.typing import NDArray
 from omegaconf import DictConfig, open_dict
 
+from supersampling.commands.entry import FAILED, launch
 from supersampling.commands.resolvers import register
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.writer import ClipWriter, join_clips
@@ -114,6 +117,31 @@ def entry() -> Iterator[Callable[..., DictConfig]]:
         return cfg
 
     yield make
+    HydraConfig.instance().cfg = None
+
+
+@pytest.fixture
+def command(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Answer]]:
+    """Return a function that runs a command in this process: ``command("evaluate", "model=jau", ...)``.
+
+    An error of ours fails the test with its stack trace. Pass ``threads=1`` to commands that have the setting.
+    """
+
+    def call(name: str, *arguments: str) -> Answer:
+        GlobalHydra.instance().clear()
+        monkeypatch.setattr(sys, "argv", [f"{name}.py"])
+        FAILED.clear()
+        capfd.readouterr()
+        status = 0
+        try:
+            launch(name, arguments)
+        except SystemExit as end:
+            status = int(end.code or 0)
+        out, err = capfd.readouterr()
+        return Answer(status, out, err)
+
+    yield call
+    GlobalHydra.instance().clear()
     HydraConfig.instance().cfg = None
 
 

@@ -58,6 +58,12 @@ def test_invalid_space(data: object) -> None:
 
 
 @pytest.mark.parametrize("path", SPACES, ids=lambda p: p.stem)
+def test_whole_space_can_be_tried_as_documented(path: Path) -> None:
+    walk = yaml.safe_load((ROOT / "conf" / "advise.yaml").read_text())["walk"]
+    assert (len(load(path).compositions()) <= walk) == (path.stem != "nsrr")  # for which search=optuna is documented
+
+
+@pytest.mark.parametrize("path", SPACES, ids=lambda p: p.stem)
 def test_every_option_composes_for_train(path: Path) -> None:
     space = load(path)
     assert space.name == path.stem

@@ -1,24 +1,21 @@
 """What a person gets wrong gets one clear sentence, a non-zero exit, no stack trace, and leaves nothing half-
 written."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
+from answers import run_script
 
 from supersampling.scenes.stk import find_data
 
-ROOT = Path(__file__).resolve().parents[2]
 
+@pytest.fixture
+def run(command, tmp_path):
+    """Return a function that runs a command in this process and returns its status and what it wrote to stderr."""
 
-def run(root: Path, script: str, *overrides: str, **environment: str) -> tuple[int, str]:
-    command = [sys.executable, script, f"paths.root={root}", *overrides]
-    done = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, timeout=120, env={**os.environ, **environment}
-    )
-    return done.returncode, done.stderr
+    def call(name: str, *overrides: str) -> tuple[int, str]:
+        answer = command(name, f"paths.root={tmp_path}", *overrides)
+        return answer.status, answer.err
+
+    return call
 
 
 @pytest.fixture
@@ -41,13 +38,12 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_train(case, own, tmp_path):
+def test_train(case, own, tmp_path, run):
     overrides, part = CASES[case]
     before = set(tmp_path.rglob("*.h5*"))
-    status, said = run(tmp_path, "train.py", *own, "budget=smoke", "baselines=[]", *overrides)
+    status, said = run("train", *own, "budget=smoke", "baselines=[]", *overrides)
     assert status != 0
     assert part in said
-    assert "Traceback" not in said
     assert set(tmp_path.rglob("*.h5*")) == before
 
 
@@ -55,11 +51,11 @@ def test_train(case, own, tmp_path):
     ("content", "part"),
     [(b"\x89HDF\r\n\x1a\n truncated", "truncated or not an HDF5 file"), (None, "broken.h5 not found")],
 )
-def test_a_broken_file(content, part, own, tmp_path):
+def test_a_broken_file(content, part, own, tmp_path, run):
     path = tmp_path / "broken.h5"
     if content is not None:
         path.write_bytes(content)
-    status, said = run(tmp_path, "train.py", *own, f"data.train=[{path}]")
+    status, said = run("train", *own, f"data.train=[{path}]")
     assert (status, said.count("\n")) == (2, 1)
     assert part in said
 
@@ -78,33 +74,36 @@ def test_a_broken_file(content, part, own, tmp_path):
         ("export=nsrd", "export_capture.py layout=nsrd"),
     ],
 )
-def test_render(override, part, tmp_path):
+def test_render(override, part, tmp_path, run):
     scene = [] if override.startswith("scene") else ["scene=atrium"]
-    status, said = run(tmp_path, "render.py", "data=smoke", *scene, override)
+    status, said = run("render", "data=smoke", *scene, override)
     assert (status, said.count("\n")) == (2, 1)
     assert part in said
     assert not list(tmp_path.rglob("*.h5"))
 
 
 @pytest.mark.parametrize("name", ["no_such_track", "../../etc"])
-def test_no_such_track(name, tmp_path):
+def test_no_such_track(name, tmp_path, run, monkeypatch):
     """The sentence depends on the game's data: the fake data of one track, and whatever this machine has."""
     track = tmp_path / "game" / "tracks" / "lane"
     track.mkdir(parents=True)
     for file in ("scene.xml", "quads.xml"):
         (track / file).write_text("<scene/>")
     sentence = f"Unknown SuperTuxKart track {name}"
-    status, said = run(tmp_path, "render.py", f"scene=stk/{name}", SUPERTUXKART_DATADIR=str(tmp_path / "game"))
+    monkeypatch.setenv("SUPERTUXKART_DATADIR", str(tmp_path / "game"))
+    status, said = run("render", f"scene=stk/{name}")
     assert (status, said.count("\n")) == (2, 1)
     assert f"{sentence}: use one of lane." in said
-    status, said = run(tmp_path, "render.py", f"scene=stk/{name}", SUPERTUXKART_DATADIR="")
+    monkeypatch.setenv("SUPERTUXKART_DATADIR", "")
+    status, said = run("render", f"scene=stk/{name}")
     assert (status, said.count("\n")) == (2, 1)
     assert ("SuperTuxKart's data are not installed" if find_data() is None else sentence) in said
     assert not list(tmp_path.rglob("*.h5"))
 
 
-def test_no_game_data(tmp_path):
-    status, said = run(tmp_path, "render.py", "scene=stk/zengarden", SUPERTUXKART_DATADIR=str(tmp_path / "none"))
+def test_no_game_data(tmp_path, run, monkeypatch):
+    monkeypatch.setenv("SUPERTUXKART_DATADIR", str(tmp_path / "none"))
+    status, said = run("render", "scene=stk/zengarden")
     assert status == 2
     assert "supertuxkart-data" in said
 
@@ -112,31 +111,30 @@ def test_no_game_data(tmp_path):
 def test_no_opengl(tmp_path):
     """Every library is installed, and a variable hides the driver: the sentence names the variable, no package."""
     variable = "__EGL_VENDOR_LIBRARY_FILENAMES"
-    status, said = run(tmp_path, "render.py", "data=smoke", "scene=atrium", **{variable: "/nothing.json"})
-    assert status == 2
-    assert f"{variable}=/nothing.json" in said
-    assert "apt-get" not in said
-    assert "Traceback" not in said
+    root = f"paths.root={tmp_path}"
+    answer = run_script("render", ["data=smoke", "scene=atrium", root], **{variable: "/nothing.json"})
+    assert answer.status == 2
+    assert f"{variable}=/nothing.json" in answer.err
+    assert "apt-get" not in answer.err
+    assert "Traceback" not in answer.err
 
 
-def test_an_unwritable_folder(tmp_path):
+def test_an_unwritable_folder(tmp_path, run):
     (tmp_path / "file").write_text("not a folder")
-    status, said = run(tmp_path, "render.py", "data=smoke", "scene=atrium", f"paths.data={tmp_path}/file/data")
+    status, said = run("render", "data=smoke", "scene=atrium", f"paths.data={tmp_path}/file/data")
     assert (status, said.count("\n")) == (2, 1)
     assert "paths.data" in said
 
 
-def test_evaluate_without_weights(own, tmp_path):
-    status, said = run(tmp_path, "evaluate.py", *own)
+def test_evaluate_without_weights(own, run):
+    status, said = run("evaluate", *own)
     assert status == 2
     assert "checkpoint=FILE" in said
-    status, said = run(tmp_path, "evaluate.py", *own, "run=0123")
+    status, said = run("evaluate", *own, "run=0123")
     assert status == 2
     assert "0123" in said
 
 
-def test_report_without_runs(tmp_path):
-    command = [sys.executable, "report.py", f"tracking_uri=sqlite:///{tmp_path}/none.db", f"output={tmp_path}/out"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 2
-    assert "Traceback" not in done.stderr
+def test_report_without_runs(tmp_path, command):
+    answer = command("report", f"tracking_uri=sqlite:///{tmp_path}/none.db", f"output={tmp_path}/out")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)

@@ -14,7 +14,12 @@ class Answer(NamedTuple):
     """What a command returned and printed."""
 
     status: int
-    text: str
+    out: str
+    err: str
+
+    @property
+    def text(self) -> str:
+        return self.out + self.err
 
     @property
     def last_line(self) -> str:
@@ -31,4 +36,4 @@ def run_script(name: str, arguments: Sequence[str], timeout: float = 240.0, **en
         timeout=timeout,
         env={**os.environ, "OMP_NUM_THREADS": "1", **environment},
     )
-    return Answer(result.returncode, result.stdout + result.stderr)
+    return Answer(result.returncode, result.stdout, result.stderr)

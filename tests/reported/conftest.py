@@ -3,17 +3,11 @@
 ``python -m pytest tests/reported`` runs them and prints the table.
 """
 
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from answers import Answer
 from capture_files import make_source
-from hydra.core.global_hydra import GlobalHydra
-from hydra.core.hydra_config import HydraConfig
-
-from supersampling.commands.entry import launch
 
 ROW = "reported row"
 
@@ -39,30 +33,6 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     }
     for number, title, answer in sorted(rows, key=lambda r: (int("".join(filter(str.isdigit, r[0])) or 0), r)):
         terminalreporter.write_line(f"{number:>4}  {title}\n      {answer}")
-
-
-@pytest.fixture
-def command(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Answer]]:
-    """Return a function that runs a command in this process: ``command("evaluate", "model=jau", ...)``.
-
-    An error of ours fails the test with its stack trace. Pass ``threads=1`` to commands that have the setting.
-    """
-
-    def call(name: str, *arguments: str) -> Answer:
-        GlobalHydra.instance().clear()
-        monkeypatch.setattr(sys, "argv", [f"{name}.py"])
-        capfd.readouterr()
-        status = 0
-        try:
-            launch(name, arguments)
-        except SystemExit as end:
-            status = int(end.code or 0)
-        out, err = capfd.readouterr()
-        return Answer(status, out + err)
-
-    yield call
-    GlobalHydra.instance().clear()
-    HydraConfig.instance().cfg = None
 
 
 @pytest.fixture(scope="session")
