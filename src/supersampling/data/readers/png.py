@@ -18,6 +18,7 @@ from supersampling.errors import UserError
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 CHANNELS = {0: ("grey", 1), 2: ("RGB", 3), 3: ("palette", 1), 4: ("grey with alpha", 2), 6: ("RGBA", 4)}
 """Name and number of channels of each colour type."""
+PALETTE = 3
 DEPTHS = {0: (1, 2, 4, 8, 16), 2: (8, 16), 3: (1, 2, 4, 8), 4: (8, 16), 6: (8, 16)}
 PASSES = ((0, 0, 8, 8), (4, 0, 8, 8), (0, 4, 4, 8), (2, 0, 4, 4), (0, 2, 2, 4), (1, 0, 2, 2), (0, 1, 1, 2))
 """First column and row, and the steps between columns and rows, of the passes of an interlaced image."""
@@ -53,7 +54,7 @@ class Png:
         self.width, self.height, self.depth, self.color, *_, self._interlace = struct.unpack(">IIBBBBB", header)
         methods = header[10:12]
         known = self.depth in DEPTHS.get(self.color, ()) and methods == b"\0\0" and self._interlace in (0, 1)
-        if not known or min(self.width, self.height) < 1 or (self.color == 3 and b"PLTE" not in self.chunks):
+        if not known or min(self.width, self.height) < 1 or (self.color == PALETTE and b"PLTE" not in self.chunks):
             raise self._damaged("its header is invalid")
 
     @property
