@@ -82,6 +82,31 @@ def test_several_parts_with_the_channels_are_listed(path):
         read_exr(path, SIZE, ("RGB",))
 
 
+def test_damaged_part_is_an_error_and_the_next_one_is_read(path):
+    """The library leaves such parts out, so that the numbers of the parts are not their places."""
+    plain = {"compression": OpenEXR.NO_COMPRESSION}
+    write_parts(path, ("depth", {"Z": SECOND[..., 0].copy()}, plain), ("C", planes(IMAGE), plain))
+    data = bytearray(path.read_bytes())
+    row = data.index(SECOND[0, :, 0].tobytes())
+    data[row - 8 : row - 4] = b"\xff" * 4  # the number of the first row
+    path.write_bytes(data)
+    with pytest.raises(UserError, match=r"a\.exr is truncated or damaged"):
+        read_exr(path, SIZE, ("Z",))
+    np.testing.assert_array_equal(read_exr(path, SIZE, ("RGB",)), IMAGE)
+
+
+def test_rows_that_were_never_written_are_an_error(path):
+    """A renderer that was stopped leaves zeros in the table of the rows' places."""
+    write(path, planes(IMAGE), compression=OpenEXR.NO_COMPRESSION)
+    data = bytearray(path.read_bytes())
+    row = IMAGE[-1].nbytes + 8
+    place = (len(data) - row).to_bytes(8, "little")
+    assert place in data
+    path.write_bytes(data.replace(place, bytes(8))[:-row])
+    with pytest.raises(UserError, match=r"a\.exr is truncated"):
+        read_exr(path, SIZE, ("RGB",))
+
+
 def test_only_part_with_the_channels_is_read_in_its_own_window(path):
     wide = np.pad(IMAGE, ((1, 2), (3, 4), (0, 0)), constant_values=np.nan)
     around = {"dataWindow": window(-3, -1, SIZE[0] + 3, SIZE[1] + 1), "displayWindow": DISPLAY}
