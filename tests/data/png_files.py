@@ -59,3 +59,17 @@ def _paeth(left: np.ndarray, up: np.ndarray, corner: np.ndarray) -> np.ndarray:
     estimate = left + up - corner
     a, b, c = abs(estimate - left), abs(estimate - up), abs(estimate - corner)
     return np.where((a <= b) & (a <= c), left, np.where(b <= c, up, corner))
+
+
+def unfiltered(rows: list[bytes], step: int) -> bytes:
+    """Return the bytes of filtered rows (section 9 of the specification); ``step`` is the size of a pixel in bytes."""
+    above, out = bytes(len(rows[0]) - 1), b""
+    for row in rows:
+        line = bytearray()
+        for k, byte in enumerate(row[1:]):
+            left, corner = (line[k - step], above[k - step]) if k >= step else (0, 0)
+            options = (0, left, above[k], (left + above[k]) // 2, int(_paeth(*map(np.int64, (left, above[k], corner)))))
+            line.append((byte + options[row[0]]) % 256)
+        above = bytes(line)
+        out += above
+    return out
