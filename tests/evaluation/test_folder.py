@@ -6,7 +6,7 @@ import pytest
 from image_files import write_png
 
 from supersampling.data.dataset_file import DatasetFile
-from supersampling.data.readers.images import read_display_png
+from supersampling.data.readers.png_images import read_display_png
 from supersampling.errors import UserError
 from supersampling.evaluation.folder import clip_files
 from supersampling.evaluation.playback import DisplayImages, Playback, RadianceImages, TargetImages
@@ -153,7 +153,7 @@ def different_size(folder):
 
 def one_channel(folder):
     write_png(folder / "shot_001.png", np.zeros((SIZE, SIZE, 1), dtype=np.uint8))
-    return r"shot_001\.png has 1 channel: export it as RGB"
+    return r"shot_001\.png is an image of type 8-bit grey: export it as RGB"
 
 
 def truncated(folder):

@@ -3,7 +3,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from png_files import png_bytes, write_png_file
 
+from supersampling.errors import UserError
 from supersampling.scenes.stk.images import linear, read_image, upright_normals
 
 
@@ -42,6 +44,26 @@ def test_clear_texels_take_the_colour_of_the_rest(tmp_path: Path) -> None:
     assert (image[..., :3] == (10, 200, 30)).all()
     assert (image[:4, :, 3] == 255).all()
     assert (image[4:, :, 3] == 0).all()
+
+
+def test_sixteen_bits_are_rounded_and_grey_is_not_clipped(tmp_path: Path) -> None:
+    values = np.arange(0, 65536, 256).reshape(16, 16, 1)
+    expected = np.floor(values / 257 + 0.5).repeat(3, axis=-1)
+    grey = write_png_file(tmp_path / "grey.png", values, color=0, depth=16)
+    np.testing.assert_array_equal(read_image(grey, alpha=False), expected)
+    color = write_png_file(tmp_path / "color.png", values.repeat(3, axis=-1), depth=16)
+    np.testing.assert_array_equal(read_image(color, alpha=False), expected)
+
+
+def test_damaged_and_foreign_images_are_errors(tmp_path: Path) -> None:
+    data = bytearray(png_bytes(np.zeros((4, 4, 3), int)))
+    data[50] ^= 1
+    (tmp_path / "a.png").write_bytes(data)
+    with pytest.raises(UserError, match=r"a\.png is truncated or damaged"):
+        read_image(tmp_path / "a.png", alpha=False)
+    (tmp_path / "a.png").write_bytes(b"text")
+    with pytest.raises(UserError, match=r"a\.png is neither PNG nor JPEG"):
+        read_image(tmp_path / "a.png", alpha=False)
 
 
 def test_linear_light_of_known_srgb_values() -> None:

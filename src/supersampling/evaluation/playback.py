@@ -11,7 +11,8 @@ import torch
 from torch import Tensor
 
 from supersampling.data.dataset_file import DatasetFile
-from supersampling.data.readers.images import read_display_png, read_exr
+from supersampling.data.readers.exr import read_opaque_exr
+from supersampling.data.readers.png_images import read_display_png
 from supersampling.data.readers.qrisp import baseline_images
 from supersampling.errors import UserError
 from supersampling.frames import Frame
@@ -72,7 +73,7 @@ class RadianceImages(_Images):
     """EXR images of linear radiance in the data set's exposure; displayed like images of the project's renderer."""
 
     def read(self, clip: int, frame: int, size: tuple[int, int]) -> Tensor:
-        image = read_exr(self._clips[clip][frame], size, ("RGB",))
+        image = read_opaque_exr(self._clips[clip][frame], size)
         return torch.from_numpy(image).permute(2, 0, 1)
 
     def shown(self, image: Tensor) -> Tensor:
@@ -139,7 +140,9 @@ def read_recorded_methods(capture: Path, files: Sequence[Path]) -> dict[str, Pla
         file.close()
         scales.add(spec.scale)
         if not spec.scene.startswith("qrisp/"):
-            raise UserError(f"{path} was not imported from a QRISP capture: import it with render.py import=qrisp.")
+            raise UserError(
+                f"{path} was not imported from a QRISP capture: import it with import_capture.py layout=qrisp."
+            )
         for method, streams in baseline_images(capture, spec.scene.removeprefix("qrisp/")).items():
             for label in segments:
                 segment = label.rsplit("/", 1)[-1]

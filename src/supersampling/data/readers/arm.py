@@ -13,8 +13,9 @@ import numpy as np
 import torch
 
 from supersampling.data.readers.conventions import Convention
+from supersampling.data.readers.exr import exr_size, read_exr, read_exr_colors
 from supersampling.data.readers.files import Frames, frame_numbers, number, read_json
-from supersampling.data.readers.images import Image, exr_size, read_exr
+from supersampling.data.readers.images import Image
 from supersampling.data.readers.layout import CaptureClip, Layout
 from supersampling.data.readers.units import checked_jitter, checked_motion
 from supersampling.data.spec import SPLITS
@@ -163,7 +164,7 @@ class ArmClip(CaptureClip):
             ("target", "target_radiance", "target", self.size),
         ):
             if names & {shown, light}:
-                radiance = np.maximum(read_exr(paths[source], size, ("RGB",)), 0.0) * np.float32(self._exposure(entry))
+                radiance = np.maximum(read_exr_colors(paths[source], size), 0.0) * np.float32(self._exposure(entry))
                 out |= {light: radiance, shown: radiance_to_display(torch.from_numpy(radiance)).numpy()}
         if "depth" in names:
             out["depth"] = self._depth(paths["depth"], entry)

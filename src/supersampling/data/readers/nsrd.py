@@ -17,9 +17,11 @@ from pathlib import Path
 import numpy as np
 
 from supersampling.data.readers.conventions import Convention
+from supersampling.data.readers.exr import read_exr, read_exr_colors
 from supersampling.data.readers.files import Root, frame_numbers
-from supersampling.data.readers.images import Image, png_size, read_exr, read_png
+from supersampling.data.readers.images import Image
 from supersampling.data.readers.layout import CaptureClip, Conventions, Layout
+from supersampling.data.readers.png_images import png_size, read_png_colors
 from supersampling.data.readers.units import checked_motion
 from supersampling.data.spec import SPLITS
 from supersampling.errors import UserError
@@ -128,7 +130,7 @@ class NsrdClip(CaptureClip):
         paths = {name: stream[self._numbers[t]] for name, stream in self._streams.items()}
         out: dict[str, Image] = {}
         if "radiance" in names:
-            out["radiance"] = np.maximum(read_exr(paths["radiance"], self._low_size, ("RGB",)), 0.0)
+            out["radiance"] = np.maximum(read_exr_colors(paths["radiance"], self._low_size), 0.0)
         if "normal" in names:
             out["normal"] = read_exr(paths["normal"], self._low_size, ("RGB", "XYZ"))
         if "depth" in names:
@@ -138,7 +140,7 @@ class NsrdClip(CaptureClip):
             stored = read_exr(paths[name], self._low_size, ("RG", "XY"))
             out[name] = checked_motion(self._layout.conventions.motion.decode(stored), paths[name])
         if "target" in names:
-            out["target"] = read_png(paths["target"], self.size, 3).astype(np.float32) / np.float32(255.0)
+            out["target"] = read_png_colors(paths["target"], self.size)
         if names & {"target_radiance", "high_material", "high_emission"}:
             out |= self._light(paths)
         width, height = self._low_size
@@ -148,7 +150,7 @@ class NsrdClip(CaptureClip):
 
     def _light(self, paths: dict[str, Path]) -> dict[str, Image]:
         """Return the target's radiance and its parts, as NSRD remodulates them."""
-        irradiance, brdf, emission = (np.maximum(read_exr(paths[n], self.size, ("RGB",)), 0.0) for n in HIGH)
+        irradiance, brdf, emission = (np.maximum(read_exr_colors(paths[n], self.size), 0.0) for n in HIGH)
         emissive = emission > EMISSIVE
         material, emission = (np.where(emissive, np.float32(0.0), brdf), np.where(emissive, emission, np.float32(0.0)))
         return {

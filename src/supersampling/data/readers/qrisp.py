@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from supersampling.data.readers.camera_data import Jitters
 from supersampling.data.readers.conventions import Convention
+from supersampling.data.readers.exr import read_exr
 from supersampling.data.readers.files import Frames, Root, frame_numbers
-from supersampling.data.readers.images import Image, png_size, read_exr, read_png
+from supersampling.data.readers.images import Image
 from supersampling.data.readers.layout import CaptureClip, Layout
+from supersampling.data.readers.png_images import png_size, read_png, read_png_colors
 from supersampling.data.readers.units import checked_jitter, checked_motion
 from supersampling.errors import UserError
 
@@ -138,7 +140,7 @@ class QrispClip(CaptureClip):
         out: dict[str, Image] = {}
         for name, size in (("color", self._low_size), ("target", self.size)):
             if name in names:
-                out[name] = read_png(paths[name], size, 3).astype(np.float32) / np.float32(255.0)
+                out[name] = read_png_colors(paths[name], size)
         if "depth" in names:
             depth = decode_depth(read_png(paths["depth"], self._low_size, 4))
             out["depth"] = 1.0 - depth if self._conventions.reversed_depth else depth

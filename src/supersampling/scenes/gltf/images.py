@@ -1,7 +1,5 @@
 """Images of a glTF file: PNG and JPEG as in the specification, decoded by Pillow within limits."""
 
-import io
-import warnings
 from functools import cache
 
 import numpy as np
@@ -10,6 +8,7 @@ from PIL import Image
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.scene import Texture
+from supersampling.scenes.textures import decode_rgba, open_texture
 
 LARGEST_SIDE = 16384  # pixels; larger images are an error
 USED_SIDE = 4096  # pixels; larger images are halved until they fit
@@ -28,7 +27,7 @@ class Images:
 
     def _read_rgba(self, index: int) -> Texture:
         """Return ``(H, W, 4)`` uint8, as stored."""
-        return _decode(self._bytes(index), f"image {index} of {self._document.name}")
+        return _decode(self._bytes(index), f"The image {index} of {self._document.name}")
 
     def _read_rgb(self, index: int) -> Texture:
         """Return ``(H, W, 3)`` uint8, as stored."""
@@ -45,31 +44,20 @@ class Images:
         return bytes(self._document.view(image.bufferView)[0])
 
 
-def _decode(data: bytes, what: str) -> Texture:
+def _decode(data: bytes, name: str) -> Texture:
+    """Return ``(H, W, 4)`` of a file; ``name`` begins each error."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            image: Image.Image = Image.open(io.BytesIO(data), formats=("PNG", "JPEG"))
-        if max(image.size) > LARGEST_SIDE:
-            raise _too_large(what, f"{image.width}x{image.height} pixels")
-        image.load()
-    except Image.DecompressionBombError as error:  # Pillow's limit on the area, checked before decoding
-        raise _too_large(what, str(error).partition(",")[0]) from error
-    except Image.UnidentifiedImageError as error:
-        raise UserError(f"The {what} is neither PNG nor JPEG: convert it to one of them.") from error
-    except (OSError, SyntaxError, ValueError) as error:
-        raise UserError(f"The {what} is damaged ({error}): export it again.") from error
-    while max(image.size) > USED_SIDE:
-        image = image.reduce(2)
-    return _eight_bit(image)
+        image = open_texture(data, name, ("PNG", "JPEG"))
+    except Image.DecompressionBombError as error:  # Pillow's limit on the area
+        raise _too_large(name, str(error).partition(",")[0]) from error
+    if max(image.size) > LARGEST_SIDE:
+        raise _too_large(name, f"{image.width}x{image.height} pixels")
+    bands = decode_rgba(image, data, name).split()
+    # Band by band: halving RGBA at once would turn the colour of transparent texels black.
+    while max(bands[0].size) > USED_SIDE:
+        bands = tuple(band.reduce(2) for band in bands)
+    return np.stack([np.asarray(band) for band in bands], axis=-1)
 
 
-def _too_large(what: str, size: str) -> UserError:
-    return UserError(f"The {what} is too large ({size}): shrink it to at most {LARGEST_SIDE} pixels per side.")
-
-
-def _eight_bit(image: Image.Image) -> Texture:
-    if image.mode.startswith("I"):  # 16-bit grey, which Pillow would clip
-        grey = np.asarray(image).astype(np.int64) // 257
-        return np.ascontiguousarray(np.dstack([grey, grey, grey, np.full_like(grey, 255)]).astype(np.uint8))
-    return np.asarray(image.convert("RGBA"))
+def _too_large(name: str, size: str) -> UserError:
+    return UserError(f"{name} is too large ({size}): shrink it to at most {LARGEST_SIDE} pixels per side.")

@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from supersampling.scenes.scene import Texture
+from supersampling.scenes.textures import decode_rgba, open_texture
 
 LARGEST = 1024
+FORMATS = ("PNG", "JPEG", "BMP", "WEBP")
 
 
 def linear(srgb: NDArray[np.floating]) -> NDArray[np.float32]:
@@ -19,10 +21,11 @@ def linear(srgb: NDArray[np.floating]) -> NDArray[np.float32]:
 
 def read_image(path: Path, alpha: bool, largest: int = LARGEST) -> Texture:
     """Read ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; each side is the nearest power of two up to ``largest``."""
-    with Image.open(path) as image:
-        # JPEG decodes to a half or a quarter at a quarter of the cost.
-        image.draft("RGB", (largest, largest))
-        whole = image.convert("RGBA")
+    data = path.read_bytes()
+    image = open_texture(data, str(path), FORMATS)
+    # JPEG decodes to a half or a quarter at a quarter of the cost.
+    image.draft("RGB", (largest, largest))
+    whole = decode_rgba(image, data, str(path))
     size = (_power_of_two(whole.width, largest), _power_of_two(whole.height, largest))
     # Resize bands one by one: resizing RGBA at once would turn the colour of transparent texels black.
     bands = [
