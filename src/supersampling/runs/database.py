@@ -66,6 +66,8 @@ def check_database(location: Location, path: Path, write: bool) -> bool:
         raise UserError(f"tracking_uri={location} is a folder: name a file in it, {uri_of_file(path / 'mlflow.db')}.")
     if not path.exists():
         return False
+    if not path.is_file():
+        raise UserError(f"tracking_uri={location} is a device or the like: set it to a file, {EXAMPLES}.")
     try:
         with closing(sqlite3.connect(f"{path.as_uri()}?mode=rw", uri=True, timeout=BUSY_SECONDS)) as connection:
             tables = _names(connection, "SELECT name FROM sqlite_master WHERE type = 'table'")
@@ -128,20 +130,34 @@ def newer_sentence(location: Location) -> str:
 
 
 def create_database(path: Path) -> None:
-    """Create a missing database beside its place, then move it there; an empty file is replaced.
+    """Create a missing database beside its place, then move it there; a file that exists is left as it is.
 
     MLflow creates tables one by one; killed half-way, it leaves a database that it can neither use nor repair.
+
+    Raises:
+        UserError: the folder cannot be written.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-store-") as folder:
-        complete = Path(folder) / path.name
-        MlflowClient(uri_of_file(complete)).search_experiments()
-        if path.exists():
-            os.replace(complete, path)
-            return
-        try:
-            os.link(complete, path)
-        except FileExistsError:  # another process was first
-            pass
-        except OSError:  # a file system without links
+    if os.path.lexists(path):  # an empty file, or a link that leads nowhere yet: MLflow fills it in its place
+        return
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-store-") as folder:
+            complete = Path(folder) / path.name
+            MlflowClient(uri_of_file(complete)).search_experiments()
+            _move_new(complete, path)
+    except OSError as error:
+        raise UserError(
+            f"The store {path} cannot be created ({error.strerror or error}): set paths.root or tracking_uri to a "
+            "folder that can be written."
+        ) from error
+
+
+def _move_new(complete: Path, path: Path) -> None:
+    """Give a complete file its place, unless another process was first."""
+    try:
+        os.link(complete, path)
+    except FileExistsError:
+        pass
+    except OSError:  # a file system without links
+        if not os.path.lexists(path):
             os.replace(complete, path)

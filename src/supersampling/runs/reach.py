@@ -160,7 +160,10 @@ def find_experiment(client: Client, location: Location, name: str) -> Experiment
     try:
         experiment = client.get_experiment_by_name(name)
     except MlflowException as error:
-        raise UserError(f"MLflow at {location} refuses experiment_name={name}: {_first_line(str(error))}") from error
+        raise UserError(
+            f"MLflow cannot open experiment_name={name} at tracking_uri={location} ({_first_line(str(error))}): check "
+            "both."
+        ) from error
     if experiment is None:
         return None
     if experiment.lifecycle_stage == LifecycleStage.DELETED:

@@ -36,7 +36,11 @@ def check_server(location: Location) -> None:
             params={"max_results": 1},
         )
     except (MlflowException, OSError, ImportError, ValueError) as error:
-        raise UserError(explain_request(location, error) or _no_answer(location, _first_line(error))) from error
+        sentence = explain_request(location, error) or (
+            f"The request to tracking_uri={location} cannot be made ({_first_line(error)}): check the variables that "
+            "begin with MLFLOW_TRACKING_."
+        )
+        raise UserError(sentence) from error
     _check_answer(location, response)
 
 
