@@ -28,7 +28,7 @@ from supersampling.frames import BUFFERS, Frame
 from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.checkpoint import build, load_weights, read_metadata
-from supersampling.runs.experiment import FINISHED, Experiment, experiment_of
+from supersampling.runs.experiment import FINISHED, Experiment, open_experiment
 from supersampling.runs.scores import scores_of
 from supersampling.runs.statistics import Estimate as Estimate
 from supersampling.runs.statistics import paired_difference as paired_difference
@@ -204,8 +204,9 @@ def score(model: Upsampler, files: Sequence[str | Path], metrics: str = "fast", 
 
 def _experiment(tracking_uri: str | None) -> Experiment:
     register()
-    overrides = [] if tracking_uri is None else [f"tracking_uri='{tracking_uri}'"]
-    return experiment_of(composed("evaluate", overrides).cfg)
+    cfg = composed("evaluate", []).cfg
+    uri = cfg.tracking_uri if tracking_uri is None else tracking_uri
+    return open_experiment(uri, cfg.experiment_name, Path(cfg.paths.artifacts))
 
 
 def finished_runs(tracking_uri: str | None = None) -> pd.DataFrame:

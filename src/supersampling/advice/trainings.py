@@ -128,9 +128,7 @@ class Trainings:
         job.run()
         run = self.experiment.find(job.identity)
         if run is None:
-            raise RuntimeError(
-                f"The run of {job.name} disappeared from {self.experiment.tracking_uri} while it was scored"
-            )
+            raise RuntimeError(f"The run of {job.name} disappeared from {self.experiment.location} while it was scored")
         if before is None and config.steps and rung < self.rungs.last:
             self.experiment.client.set_tag(run.info.run_id, tags.SEARCH, str(rung + 1))
         if job.identity.key not in self.counted:

@@ -25,7 +25,7 @@ def compare(cfg: DictConfig) -> None:
     if missing:
         raise UserError(f"Missing {' and '.join(missing)}: use compare.py a=RUN_OR_METHOD b=RUN_OR_METHOD.")
     with tempfile.TemporaryDirectory(prefix="compare-") as folder:
-        store = Store(str(cfg.tracking_uri), Path(folder))
+        store = Store(cfg.tracking_uri, Path(folder))
         runs = store.experiment(str(cfg.experiment_name), ("job", "evaluation")).runs
         runs = _select_dataset(runs, as_typed(cfg, "dataset"))
         a, b = pair(*(find_groups(runs, key, str(value)) for key, value in sides.items()))

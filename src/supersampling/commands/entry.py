@@ -172,3 +172,5 @@ def _silence_libraries() -> None:
     warnings.filterwarnings("ignore", category=FutureWarning)
     for library in ("lightning.pytorch", "mlflow", "alembic"):
         logging.getLogger(library).setLevel(logging.ERROR)
+    # It logs a stack trace of each error that it raises.
+    logging.getLogger("mlflow.store.db.utils").setLevel(logging.CRITICAL)

@@ -34,7 +34,7 @@ def pick(cfg: DictConfig) -> None:
         raise UserError(f"Invalid ms={ms} and db={db}: set exactly one of them, in milliseconds or decibels.")
     rendering = Rendering.of(cfg.low_ms, cfg.high_ms)
     with tempfile.TemporaryDirectory(prefix="pick-") as folder:
-        store = Store(str(cfg.tracking_uri), Path(folder))
+        store = Store(cfg.tracking_uri, Path(folder))
         experiment = store.experiment(str(cfg.experiment_name))
         choice = choose(_select_data(experiment.runs), as_typed(cfg, "dataset"), None)
         methods = list_methods(choice.pools[choice.setting], [])

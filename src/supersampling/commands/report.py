@@ -35,7 +35,7 @@ def report(cfg: DictConfig) -> list[Path]:
         raise UserError(f"There is no template at {template}: run report.py from the project's root, or set templates.")
     with tempfile.TemporaryDirectory(prefix="report-") as folder:
         build = Path(folder)
-        store = Store(str(cfg.tracking_uri), build / "artifacts")
+        store = Store(cfg.tracking_uri, build / "artifacts")
         experiment = store.experiment(str(cfg.experiment_name))
         choice = choose(experiment.runs, as_typed(cfg, "dataset"), None if cfg.budget is None else str(cfg.budget))
         material = gather(papers, known, store, experiment, choice)

@@ -1,28 +1,32 @@
 """The MLflow experiment that runs are written to: a parent run per multirun, a child run per job, found again by
 identity."""
 
-import os
 import platform
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlparse
 
-import mlflow
-import requests
 import torch
 from mlflow.artifacts import download_artifacts
 from mlflow.entities import Run
 from mlflow.exceptions import MlflowException
-from mlflow.tracking import MlflowClient
 from omegaconf import DictConfig
 
 from supersampling import __version__
 from supersampling.errors import UserError
 from supersampling.runs import tags
 from supersampling.runs.identity import Identity
+from supersampling.runs.location import Location
+from supersampling.runs.reach import (
+    Client,
+    check_artifacts,
+    explained,
+    find_experiment,
+    find_run,
+    open_client,
+    select_store,
+)
 
 PARENT_VARIABLE = "SUPERSAMPLING_PARENT_RUN"
 FINISHED = "FINISHED"
@@ -38,9 +42,14 @@ def machine() -> str:
 class Experiment:
     """An MLflow experiment that can be reached; `open_experiment` makes one."""
 
-    client: MlflowClient
+    client: Client
     id: str
-    tracking_uri: str
+    location: Location
+
+    @property
+    def tracking_uri(self) -> str:
+        """The URI that MLflow opens."""
+        return self.location.uri
 
     def find(self, identity: Identity | str) -> Run | None:
         """Return the finished run of an identity of either scheme, else its newest unfinished one, else None."""
@@ -48,6 +57,10 @@ class Experiment:
         runs = [run for key in keys for run in self._runs_of(key)]
         finished = [run for run in runs if run.info.status == FINISHED]
         return next(iter([*finished, *runs]), None)
+
+    def run(self, run_id: str) -> Run:
+        """Return a run of the store by its id; raises `UserError` if there is none, or it was deleted."""
+        return find_run(self.client, self.location, run_id)
 
     def _runs_of(self, key: str) -> list[Run]:
         return list(self.client.search_runs([self.id], tags.equals(tags.IDENTITY, key), order_by=["start_time DESC"]))
@@ -78,7 +91,27 @@ class Experiment:
 
     def artifact(self, run_id: str, path: str) -> Path:
         """Return a local copy of an artifact; raises `MlflowException` or `OSError` if there is none."""
-        return Path(download_artifacts(run_id=run_id, artifact_path=path, tracking_uri=self.tracking_uri))
+        with explained(self.location):
+            return Path(download_artifacts(run_id=run_id, artifact_path=path, tracking_uri=self.tracking_uri))
+
+    def required_artifact(self, run: Run, path: str) -> Path:
+        """Return a local copy of an artifact of a trained method's run; raises `UserError` if the run has none."""
+        try:
+            return self.artifact(run.info.run_id, path)
+        except (MlflowException, OSError) as error:
+            raise UserError(f"Run {run.info.run_id} has no {path}{self._reason(run)}.") from error
+
+    def _reason(self, run: Run) -> str:
+        files = ", ".join(file.path for file in self.client.list_artifacts(run.info.run_id))
+        if tags.KIND not in run.data.tags:
+            return ", for another program logged it: name a run of train.py"
+        if run.data.tags[tags.KIND] != "job":
+            return f", for it is of kind {run.data.tags[tags.KIND]}: name a run of train.py"
+        if run.info.status != FINISHED:
+            return f", for its status is {run.info.status}: repeat its train.py command, which continues it"
+        if files:
+            return f" among its files ({files}): name a run of train.py"
+        return f": bring its files back to {run.info.artifact_uri}, or train it again with fresh=true"
 
     def finish(self, run_id: str, status: str = FINISHED) -> None:
         self.client.set_terminated(run_id, status)
@@ -86,62 +119,29 @@ class Experiment:
 
 def experiment_of(cfg: DictConfig) -> Experiment:
     """Open the MLflow experiment that a configuration names."""
-    return open_experiment(cfg.tracking_uri, cfg.experiment_name, Path(cfg.paths.artifacts))
+    return open_experiment(cfg.tracking_uri, str(cfg.experiment_name), Path(cfg.paths.artifacts))
 
 
-def open_experiment(tracking_uri: str, name: str, artifacts: Path) -> Experiment:
+def open_experiment(tracking_uri: object, name: str, artifacts: Path) -> Experiment:
     """Return the experiment called ``name``; it is created if it does not exist.
 
     Args:
         artifacts: the folder in which a local store keeps its files.
 
     Raises:
-        UserError: the tracking server does not answer.
+        UserError: there is no such store, it cannot be used, or the experiment was deleted.
     """
-    _check_reachable(tracking_uri)
-    _create_database(tracking_uri)
-    mlflow.set_tracking_uri(tracking_uri)
-    client = MlflowClient(tracking_uri)
+    client, location = open_client(tracking_uri, write=True)
+    select_store(location)
+    existing = find_experiment(client, location, name)
+    if existing is not None:
+        check_artifacts(location, existing, artifacts)
+        return Experiment(client, existing.experiment_id, location)
+    folder = None if location.is_server else artifacts.resolve().as_uri()
     try:
-        existing = client.get_experiment_by_name(name)
-        if existing is not None:
-            return Experiment(client, existing.experiment_id, tracking_uri)
-        location = None if tracking_uri.startswith("http") else artifacts.resolve().as_uri()
-        return Experiment(client, client.create_experiment(name, artifact_location=location), tracking_uri)
+        return Experiment(client, client.create_experiment(name, artifact_location=folder), location)
     except MlflowException as error:
-        reason = str(error).splitlines()[0]
-        raise UserError(f"MLflow failed at tracking_uri={tracking_uri} ({reason}): check the address.") from error
-
-
-def _create_database(tracking_uri: str) -> None:
-    """Create a missing local database beside its place, then move it there.
-
-    MLflow creates tables one by one; killed half-way, it leaves a database that it can neither use nor repair.
-    """
-    prefix = "sqlite:///"
-    path = Path(tracking_uri.removeprefix(prefix))
-    if not tracking_uri.startswith(prefix) or not path.name or path.exists():
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-store-") as folder:
-        complete = Path(folder) / path.name
-        MlflowClient(f"{prefix}{complete}").search_experiments()
-        try:
-            os.link(complete, path)
-        except FileExistsError:  # another process was first
-            pass
-        except OSError:  # a file system without links
-            os.replace(complete, path)
-
-
-def _check_reachable(tracking_uri: str) -> None:
-    """Ask a server once, so that MLflow's minutes of retries never start."""
-    if urlparse(tracking_uri).scheme not in ("http", "https"):
-        return
-    try:
-        requests.get(f"{tracking_uri.rstrip('/')}/health", timeout=5).raise_for_status()
-    except requests.RequestException as error:
-        raise UserError(
-            f"No MLflow server answers at tracking_uri={tracking_uri}: start it, or leave the setting out for the "
-            "local store."
-        ) from error
+        created = find_experiment(client, location, name)  # by another process meanwhile
+        if created is None:
+            raise UserError(f"MLflow cannot create experiment_name={name} at {location} ({error}).") from error
+        return Experiment(client, created.experiment_id, location)

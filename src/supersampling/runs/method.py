@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from hydra.utils import instantiate
-from mlflow.exceptions import MlflowException
 from omegaconf import DictConfig, OmegaConf, open_dict
 
 from supersampling.config import choices, key_of, typed_overrides
@@ -77,16 +76,11 @@ def _method_of_checkpoint(cfg: DictConfig) -> LoadedMethod:
 
 def _method_of_run(experiment: Experiment, cfg: DictConfig) -> LoadedMethod:
     """Return the method of a finished run, with its weights or its tuned constants."""
-    try:
-        run = experiment.client.get_run(cfg.run)
-        logged: Any = OmegaConf.to_container(OmegaConf.load(experiment.artifact(cfg.run, CONFIGURATION)))
-    except (MlflowException, OSError) as error:
-        raise UserError(
-            f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow UI."
-        ) from error
+    run = experiment.run(str(cfg.run))
+    logged: Any = OmegaConf.to_container(OmegaConf.load(experiment.required_artifact(run, CONFIGURATION)))
     model = _matching_model(cfg, logged["model"], logged["task"], f"Run {cfg.run}", **tuned_constants(run))
     if is_learned(model):
-        load_weights(model, experiment.artifact(cfg.run, CHECKPOINT))
+        load_weights(model, experiment.required_artifact(run, CHECKPOINT))
     run_tags = run.data.tags
     origin = {
         "run": str(cfg.run),

@@ -7,12 +7,10 @@ import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 import pandas as pd
-from mlflow import MlflowClient
 from mlflow.entities import Run as MlflowRun
 from mlflow.exceptions import MlflowException
 
@@ -20,6 +18,7 @@ from supersampling.errors import UserError
 from supersampling.metrics import scores
 from supersampling.runs import tags
 from supersampling.runs.experiment import FINISHED
+from supersampling.runs.reach import check_artifacts, find_experiment, open_client
 
 DOWNLOADS_AT_ONCE = 8
 Kind = Literal["job", "evaluation", "benchmark", "stress", "advice"]
@@ -64,25 +63,19 @@ class FinishedRuns:
 class Store:
     """An MLflow tracking store. ``folder`` receives the downloaded artifacts.
 
+    Raises `UserError` if there is no store at ``tracking_uri``, or it cannot be read.
+
     ``problems`` holds, by a run's id, what of the run could not be read and why; the run counts as without it.
     """
 
-    def __init__(self, tracking_uri: str, folder: Path) -> None:
+    def __init__(self, tracking_uri: object, folder: Path) -> None:
         # An unreachable server must be reported in seconds; MLflow itself waits for minutes.
         os.environ.setdefault("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "1")
         os.environ.setdefault("MLFLOW_HTTP_REQUEST_TIMEOUT", "20")
         os.environ.setdefault("MLFLOW_ENABLE_ARTIFACTS_PROGRESS_BAR", "false")
-        database = tracking_uri.removeprefix("sqlite:///")
-        # MLflow would create an empty database.
-        if database != tracking_uri and not Path(database).is_file():
-            raise UserError(f"There is no MLflow store at {database}: train first, or set tracking_uri.")
-        self.uri = tracking_uri
+        self._client, self.location = open_client(tracking_uri, write=False)
         self.folder = folder
         self.problems: dict[str, str] = {}
-
-    @cached_property
-    def _client(self) -> MlflowClient:
-        return MlflowClient(tracking_uri=self.uri)
 
     def experiment(self, name: str, kinds: Sequence[Kind] = ("job",)) -> FinishedRuns:
         """Return the finished runs of an experiment; of several runs with the same identity only the newest.
@@ -90,23 +83,21 @@ class Store:
         An evaluation has no identity: each of them counts.
 
         Raises:
-            UserError: the store does not answer, or has no such experiment or no finished run.
+            UserError: the store cannot be read, or has no such experiment or no finished run; the experiment or its
+                files were deleted.
         """
-        try:
-            experiment = self._client.get_experiment_by_name(name)
-            finished, unfinished = self._jobs(experiment.experiment_id, kinds) if experiment is not None else ([], 0)
-        except (MlflowException, OSError) as error:
-            reason = str(error).splitlines()[0][:200]
-            raise UserError(f"The MLflow store {self.uri} does not answer ({reason}): check tracking_uri.") from error
+        experiment = find_experiment(self._client, self.location, name)
         if experiment is None:
             raise UserError(
-                f"The MLflow store {self.uri} has no experiment {name}: train first, or set experiment_name."
+                f"The MLflow store {self.location} has no experiment {name}: train first, or set experiment_name."
             )
+        finished, unfinished = self._jobs(experiment.experiment_id, kinds)
         if not finished:
             raise UserError(
-                f"The experiment {name} at {self.uri} has no finished run, and {unfinished} unfinished ones: train "
-                "first."
+                f"The experiment {name} at {self.location} has no finished run, and {unfinished} unfinished ones: "
+                "train first."
             )
+        check_artifacts(self.location, experiment)
         newest = {run.identity: run for run in sorted(finished, key=lambda run: (run.ended, run.id))}
         return FinishedRuns(list(newest.values()), unfinished, experiment.experiment_id)
 
@@ -151,7 +142,7 @@ class Store:
                 path.unlink()
         if level == "clips" and runs and all(run.id in self.problems for run in runs) and not tables:
             reason = min(self.problems[run.id] for run in runs)
-            raise UserError(f"The MLflow store {self.uri} gave no run's scores ({reason}): try again.")
+            raise UserError(f"The MLflow store {self.location} gave no run's scores ({reason}): try again.")
         for run in runs:
             if run.id not in tables and run.id not in self.problems:
                 self.note(run.id, f"it has no table of its {level}")
@@ -191,7 +182,7 @@ class Store:
         def attempt(run: Run) -> Path | None:
             try:
                 return fetch(run)
-            except (MlflowException, OSError) as error:
+            except (UserError, MlflowException, OSError) as error:
                 failed[run.id] = f"{name} could not be downloaded ({_first_line(error)})"
                 return None
 
@@ -206,7 +197,7 @@ class Store:
         """Return ``(step, value)`` of a metric logged per epoch, by step; empty if the store does not give it."""
         try:
             points = self._client.get_metric_history(run.id, metric)
-        except (MlflowException, OSError) as error:
+        except (UserError, MlflowException, OSError) as error:
             self.note(run.id, f"{metric} by step could not be read ({_first_line(error)})")
             return []
         return sorted({point.step: point.value for point in points}.items())
@@ -235,7 +226,7 @@ def _run(job: MlflowRun) -> Run:
 
 
 def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0][:160]
+    return (str(error).splitlines() or [type(error).__name__])[0]
 
 
 def _read_table(path: Path) -> pd.DataFrame:

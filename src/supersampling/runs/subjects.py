@@ -80,14 +80,9 @@ def runs_with_subjects(experiment: Experiment, run_id: str) -> list[tuple[str, S
         for run, subject in finished_jobs(experiment):
             newest.setdefault(subject.architecture, (run, subject))
         if not newest:
-            raise UserError(f"There is no finished run at {experiment.tracking_uri} for run={ALL}: train first.")
+            raise UserError(f"There is no finished run at {experiment.location} for run={ALL}: train first.")
         return list(newest.values())
-    try:
-        subject_of_run = _read_subject(experiment, experiment.client.get_run(run_id))
-    except MlflowException as error:
-        raise UserError(
-            f"There is no run {run_id} at {experiment.tracking_uri}: see the ids in the MLflow UI."
-        ) from error
+    subject_of_run = _read_subject(experiment, experiment.run(run_id))
     if subject_of_run is None:
         raise UserError(f"Run {run_id} has no {CONFIGURATION} of a method: name a run of train.py.")
     return [(run_id, subject_of_run)]

@@ -26,6 +26,7 @@ from supersampling.runs.identity import SCHEME, Identity, flat_parameters, ident
 from supersampling.runs.method import CHECKPOINT, CONFIGURATION
 from supersampling.runs.naming import is_learned, method_name
 from supersampling.runs.options import described
+from supersampling.runs.reach import explained
 from supersampling.runs.scores import TUNED, has_metrics, log_result, tuned_constants
 from supersampling.training.fit import choose_constants, fit
 
@@ -157,7 +158,8 @@ class Job:
 
     def _fit(self, run_id: str) -> Upsampler:
         if self.learned:
-            return fit(self.cfg, self.files, self.folder, self.experiment, run_id)
+            with explained(self.experiment.location):  # Lightning logs through a client of its own
+                return fit(self.cfg, self.files, self.folder, self.experiment, run_id)
         model, constants = choose_constants(self.cfg, self.files["train"])
         self.experiment.log_params(run_id, {f"{TUNED}{k}": v for k, v in constants.items()})
         return model
@@ -166,5 +168,5 @@ class Job:
         """Return the method of a finished run, with its weights or its tuned constants."""
         model: Upsampler = instantiate(self.cfg.model, **tuned_constants(run))
         if self.learned:
-            load_weights(model, self.experiment.artifact(run.info.run_id, CHECKPOINT))
+            load_weights(model, self.experiment.required_artifact(run, CHECKPOINT))
         return model

@@ -74,7 +74,7 @@ def _columns(run: Run) -> list[str]:
 
 def link(run_id: str, material: Material) -> str:
     """Return the address of the run's page in the MLflow UI; empty if the store is no server."""
-    uri = material.store.uri.rstrip("/")
-    if not uri.startswith(("http://", "https://")):
+    location = material.store.location
+    if not location.is_server:
         return ""
-    return f"{uri}/#/experiments/{material.experiment.id}/runs/{run_id}"
+    return f"{location.address}/#/experiments/{material.experiment.id}/runs/{run_id}"
