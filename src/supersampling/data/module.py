@@ -83,7 +83,10 @@ class Loaders(L.LightningDataModule):
         self._start = (0, 0)
 
     def continue_at(self, epoch: int, batches: int) -> None:
-        """Begin in this epoch, behind its first ``batches`` batches."""
+        """Begin in this epoch, behind its first ``batches`` batches.
+
+        Workers read ahead before Lightning sets a sampler's epoch, so the first loader has to know it.
+        """
         self._start = (epoch, batches)
 
     @property
@@ -93,7 +96,7 @@ class Loaders(L.LightningDataModule):
 
     def train_dataloader(self) -> DataLoader[dict[str, Tensor]]:
         sampler = FreshIndices(self._batch * self._steps)
-        epoch, batches = self._start
+        (epoch, batches), self._start = self._start, (0, 0)
         sampler.continue_at(epoch, batches * self._batch)
         return DataLoader(
             self._train,

@@ -1,8 +1,8 @@
 """``trainer.max_time``: a training that stops in time, with a checkpoint from which the same command continues."""
 
-from time import monotonic
 from datetime import timedelta
 from pathlib import Path
+from time import monotonic
 from typing import Any, NamedTuple
 
 import lightning as L
@@ -14,8 +14,8 @@ from supersampling.errors import TimeLimitReached
 class Position(NamedTuple):
     """The batch at which a checkpoint continues: its epoch, and the batches of this epoch that are done."""
 
-    epoch: int = 0
-    batches: int = 0
+    epoch: int
+    batches: int
 
 
 class TimeLimit(L.Callback):
@@ -61,9 +61,8 @@ class TimeLimit(L.Callback):
 
 
 def position(checkpoint: Path) -> Position:
-    """Return the position of a training checkpoint that was written amid an epoch; the start for any other."""
+    """Return the position of a training checkpoint, amid an epoch or at the beginning of the one that follows."""
     loops = torch.load(checkpoint, map_location="cpu", weights_only=True, mmap=True)["loops"]["fit_loop"]
     batches = loops["epoch_loop.batch_progress"]
-    if batches["is_last_batch"]:
-        return Position()
-    return Position(loops["epoch_progress"]["current"]["processed"], batches["current"]["processed"])
+    done = 0 if batches["is_last_batch"] else batches["current"]["processed"]
+    return Position(loops["epoch_progress"]["current"]["processed"], done)

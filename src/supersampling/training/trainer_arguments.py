@@ -44,13 +44,14 @@ RESERVED: dict[str, Reserved] = {
     "min_epochs": Reserved(_EPOCHS),
     "max_steps": Reserved(_EPOCHS, (-1,)),
     "min_steps": Reserved(_EPOCHS),
-    "fast_dev_run": Reserved(
-        "use budget=smoke for a quick run, or debug=one_step for a single step", (False,)
-    ),
+    "fast_dev_run": Reserved("use budget=smoke for a quick run, or debug=one_step for a single step", (False,)),
     "overfit_batches": Reserved(
         "leave it out: every training sample is a new window, so no batch can be repeated. Name a small file with "
         "data=files data.train=[FILE] to try whether a method can learn it by heart",
         (0,),
+    ),
+    "reload_dataloaders_every_n_epochs": Reserved(
+        "leave it out: the files of a training do not change, and every epoch takes new windows from them", (0,)
     ),
     "check_val_every_n_epoch": Reserved("use budget.validate_every"),
     "num_sanity_val_steps": Reserved("use debug=one_step to try the validation before a long training", (0,)),
@@ -118,7 +119,6 @@ RULES: dict[str, Rule] = {
         f"a number of batches of at least 1, a fraction of an epoch such as 0.5, or {_TIME}",
     ),
     "max_time": Rule(lambda value: duration(value) is not None, _TIME),
-    "reload_dataloaders_every_n_epochs": Rule(lambda value: _is_whole(value, 0), "a whole number of at least 0"),
     "deterministic": _one_of(True, False, "warn"),
     "profiler": _one_of(*PROFILERS),
     **dict.fromkeys(("benchmark", "inference_mode", "detect_anomaly", "enable_progress_bar"), _SWITCH),
