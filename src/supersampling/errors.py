@@ -13,6 +13,13 @@ class UserError(Exception):
     """
 
 
+class TimeLimitReached(Exception):
+    """A training that stopped at its time limit, with a checkpoint: the message says where.
+
+    Commands print it without a stack trace and exit with a status of its own.
+    """
+
+
 def chain(error: BaseException | None) -> Iterator[BaseException]:
     """Yield an error and those that led to it, each once (libraries wrap what our code raises)."""
     seen: set[int] = set()
@@ -32,6 +39,11 @@ def find_user_error(error: BaseException) -> UserError | None:
                 "The disk is full: free some space, then run the same command again; it continues from there."
             )
     return None
+
+
+def find_time_limit(error: BaseException) -> TimeLimitReached | None:
+    """Return the time limit that led to ``error``, None if none did."""
+    return next((cause for cause in chain(error) if isinstance(cause, TimeLimitReached)), None)
 
 
 def was_interrupted(error: BaseException) -> bool:

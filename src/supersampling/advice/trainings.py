@@ -18,7 +18,7 @@ from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment
 from supersampling.runs.naming import is_learned
 from supersampling.runs.scores import scores_of
-from supersampling.training.check import check_numbers
+from supersampling.training.check import check_training
 from supersampling.training.job import Files, Job, fitting_buffers, scoring_buffers
 
 METRIC = "psnr"
@@ -35,7 +35,7 @@ class TrainingConfig:
     def compose(cls, overrides: Sequence[str]) -> "TrainingConfig":
         """Return the configuration of train.py with these overrides."""
         composition = composed("train", merge_overrides(["baselines=[]", "metrics=fast", *overrides]))
-        check_numbers(composition.cfg)
+        check_training(composition.cfg)
         return cls(composition.cfg, composition.choices)
 
     @property

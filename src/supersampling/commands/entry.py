@@ -20,14 +20,15 @@ from omegaconf import DictConfig
 from omegaconf.errors import OmegaConfBaseException
 
 from supersampling.commands import campaign
-from supersampling.commands.overrides import check_overrides, explanation
+from supersampling.commands.overrides import check_overrides, explanation, with_additions
 from supersampling.commands.resolvers import register
 from supersampling.config import VERSION_BASE
-from supersampling.errors import UserError, find_user_error, was_interrupted
+from supersampling.errors import UserError, find_time_limit, find_user_error, was_interrupted
 from supersampling.resources import VARIABLE, resources
 
 USER_ERROR_STATUS = 2
 INTERRUPTED_STATUS = 130
+TIME_LIMIT_STATUS = 124  # as of timeout(1)
 COMMANDS = {
     "train": "Train a method, score it on held-out clips, and log both",
     "evaluate": "Score a trained method, or the frames of another program",
@@ -86,12 +87,13 @@ def script(path: str) -> None:
 def launch(name: str, arguments: Sequence[str]) -> None:
     """Run a command as Hydra reads its arguments, and exit with its status.
 
-    0 is success, 1 an error of ours with its stack trace, 2 a mistake of the user's in one sentence, 130 an interrupt;
-    a command may return a status of its own.
+    0 is success, 1 an error of ours with its stack trace, 2 a mistake of the user's in one sentence, 124 a training
+    that stopped at ``trainer.max_time``, 130 an interrupt; a command may return a status of its own.
     """
     os.environ.setdefault(VARIABLE, os.getcwd())
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra's exceptions reach us instead of its own report
     register()
+    arguments = with_additions(name, arguments)
     sys.argv = [sys.argv[0], *arguments]
     try:
         if name == "train" and (commands := campaign.commands(arguments)):
@@ -156,6 +158,10 @@ def _status_of(error: BaseException) -> int:
     if user_error is not None:
         sys.stderr.write(f"error: {user_error}\n")
         return USER_ERROR_STATUS
+    time_limit = find_time_limit(error)
+    if time_limit is not None:
+        sys.stderr.write(f"{time_limit}\n")
+        return TIME_LIMIT_STATUS
     if not _is_multirun():
         raise error
     traceback.print_exception(error)

@@ -20,6 +20,16 @@ MOVED = {
 """Keys of earlier versions, and what to write today."""
 
 
+def with_additions(command: str, arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with ``trainer.KEY=...`` as ``++trainer.KEY=...``, which sets a key or adds it.
+
+    `lightning.Trainer` has more arguments than ``conf/trainer`` names; `supersampling.training.check` knows them all.
+    """
+    if command not in ("train", "advise"):
+        return list(arguments)
+    return [re.sub(r"^\+?(?=trainer\.\w+=)", "++", word) for word in arguments]
+
+
 def check_overrides(command: str, arguments: Sequence[str]) -> None:
     """Raise `UserError` for a switch that Hydra would misread or report in its own words.
 

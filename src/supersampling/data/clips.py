@@ -123,11 +123,19 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
 
 class FreshIndices(Sampler[int]):
     """Indices without repetition between epochs: ``epoch * size ... (epoch + 1) * size - 1``. Lightning calls
-    `set_epoch`."""
+    `set_epoch`.
+
+    `continue_at` lets the first pass begin amid an epoch, where a checkpoint was written.
+    """
 
     def __init__(self, size: int) -> None:
         self._size = size
         self._epoch = 0
+        self._done = 0
+
+    def continue_at(self, epoch: int, done: int) -> None:
+        """Let the next pass begin in this epoch, behind its first ``done`` indices."""
+        self._epoch, self._done = epoch, done
 
     def set_epoch(self, epoch: int) -> None:
         self._epoch = epoch
@@ -136,7 +144,8 @@ class FreshIndices(Sampler[int]):
         return self._size
 
     def __iter__(self) -> Iterator[int]:
-        return iter(range(self._epoch * self._size, (self._epoch + 1) * self._size))
+        done, self._done = self._done, 0
+        return iter(range(self._epoch * self._size + done, (self._epoch + 1) * self._size))
 
 
 @dataclass(frozen=True)

@@ -80,12 +80,28 @@ class Loaders(L.LightningDataModule):
         super().__init__()
         self._train, self._val = train, val
         self._batch, self._steps, self._workers = batch, steps, workers
+        self._start = (0, 0)
+
+    def continue_at(self, epoch: int, batches: int) -> None:
+        """Begin in this epoch, behind its first ``batches`` batches.
+
+        Workers read ahead before Lightning sets a sampler's epoch, so the first loader has to know it.
+        """
+        self._start = (epoch, batches)
+
+    @property
+    def clips(self) -> int:
+        """The number of validation clips."""
+        return len(self._val)
 
     def train_dataloader(self) -> DataLoader[dict[str, Tensor]]:
+        sampler = FreshIndices(self._batch * self._steps)
+        (epoch, batches), self._start = self._start, (0, 0)
+        sampler.continue_at(epoch, batches * self._batch)
         return DataLoader(
             self._train,
             batch_size=self._batch,
-            sampler=FreshIndices(self._batch * self._steps),
+            sampler=sampler,
             num_workers=self._workers,
             persistent_workers=self._workers > 0,
         )

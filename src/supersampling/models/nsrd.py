@@ -121,8 +121,10 @@ class NSRD(Upsampler[History]):
         return torch.cat(features.chunk(self.previous), dim=1)
 
     def forward(self, frame: Frame, state: History | None) -> tuple[Tensor, History]:
-        light = self.demodulate(frame)
-        current = self.locate.append(torch.cat((light, *frame.need("depth", "normal")), dim=1), frame)
+        depth, normal = frame.need("depth", "normal")
+        # Lighting has at least float32; a network of weights in bfloat16 reads bfloat16.
+        light = self.demodulate(frame).to(depth.dtype)
+        current = self.locate.append(torch.cat((light, depth, normal), dim=1), frame)
         vectors = self.motion_mask.vectors(frame)
         if state is None:
             # The exporter merges tensors that are the same object while tracing, so the state holds copies.

@@ -182,8 +182,10 @@ class NSRR(Upsampler[State]):
 
     def _samples(self, frame: Frame) -> Tensor:
         """Return this frame's inputs ``(B, 4 + guides, h, w)``: colour, depth, guides."""
-        color = self.colour_space.of_rgb(self.demodulate(frame))
-        return self.guides(torch.cat((color, frame.need("depth")), dim=1), frame)
+        depth = frame.need("depth")
+        # Lighting has at least float32; a network of weights in bfloat16 reads bfloat16.
+        color = self.colour_space.of_rgb(self.demodulate(frame)).to(depth.dtype)
+        return self.guides(torch.cat((color, depth), dim=1), frame)
 
 
 def _glorot(module: nn.Module) -> None:

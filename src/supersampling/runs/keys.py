@@ -36,6 +36,15 @@ class Key:
 _NOTHING = Key(Effect.NOTHING, shown=False)
 _COMMAND = Key(Effect.COMMAND, shown=False)
 
+# Arguments of Lightning that change when a training stops, or what is printed and validated, but no weight.
+_TRAINER_NOTHING = [
+    f"trainer.{name}"
+    for name in (
+        *("max_time", "limit_val_batches", "val_check_interval", "inference_mode"),
+        *("deterministic", "benchmark", "detect_anomaly", "profiler", "enable_autolog_hparams"),
+    )
+]
+
 KEYS: dict[str, Key] = {
     "model": Key(Effect.WEIGHTS, compared="model."),
     "task": Key(Effect.WEIGHTS, compared="task."),
@@ -49,6 +58,7 @@ KEYS: dict[str, Key] = {
     "trainer.enable_progress_bar": Key(Effect.NOTHING),
     "trainer.accelerator": Key(Effect.NOTHING),
     "trainer.devices": Key(Effect.NOTHING),
+    **dict.fromkeys(_TRAINER_NOTHING, Key(Effect.NOTHING)),
     "seed": Key(Effect.WEIGHTS, learned=True),
     "protocol": Key(Effect.SCORES, compared="protocol"),
     "data": Key(Effect.CONTENT, compared="data.train."),

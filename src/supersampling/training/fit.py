@@ -14,9 +14,12 @@ from supersampling.data.module import Loaders
 from supersampling.errors import UserError
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
-from supersampling.runs.checkpoint import Carry, metadata
+from supersampling.runs.checkpoint import Carry, load_weights, metadata
 from supersampling.runs.experiment import Experiment
 from supersampling.training.module import Training, checkpoints
+from supersampling.training.schedule import scheduled
+from supersampling.training.time_limit import position
+from supersampling.training.trainer_settings import arguments, explained_failures, profiler, time_limits
 from supersampling.training.tune import tune
 
 
@@ -29,6 +32,7 @@ def fit(
     their index only, so an interrupted run reaches the weights of an uninterrupted one. The checkpoint also holds the
     configuration that is needed to use it: see `supersampling.runs.checkpoint`.
     """
+    cfg = scheduled(cfg)
     L.seed_everything(cfg.seed, workers=True, verbose=False)
     model: Upsampler = instantiate(cfg.model)
     loss: Loss = instantiate(cfg.loss)
@@ -37,22 +41,30 @@ def fit(
     logger = MLFlowLogger(tracking_uri=experiment.tracking_uri, run_id=run_id)
     last = folder / "last.ckpt"
     run = experiment.client.get_run(run_id).data
-    trainer = L.Trainer(
-        **OmegaConf.to_container(cfg.trainer, resolve=True),  # type: ignore[arg-type]
-        max_epochs=cfg.budget.epochs,
-        check_val_every_n_epoch=cfg.budget.validate_every,
-        logger=logger,
-        log_every_n_steps=cfg.budget.steps,
-        num_sanity_val_steps=0,
-        enable_model_summary=False,
-        callbacks=[timer, Carry(metadata(cfg, run.tags, run.params, run_id)), checkpoints(folder)],
-    )
     loaders = make_loaders(cfg, files, model, loss)
-    trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
+    if last.exists():
+        loaders.continue_at(*position(last))
+    carry = Carry(metadata(cfg, run.tags, run.params, run_id))
+    with explained_failures():
+        trainer = L.Trainer(
+            **arguments(cfg, loaders.clips),
+            profiler=profiler(cfg, folder),
+            max_epochs=cfg.budget.epochs,
+            check_val_every_n_epoch=cfg.budget.validate_every,
+            logger=logger,
+            log_every_n_steps=cfg.budget.steps,
+            num_sanity_val_steps=0,
+            enable_model_summary=False,
+            callbacks=[timer, carry, *time_limits(cfg, last), checkpoints(folder)],
+        )
+        trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
     experiment.restart(run_id, None)  # Lightning's logger has ended the run, which is still to be scored
     experiment.log_metrics(run_id, {"train/minutes": timer.time_elapsed("train") / 60.0})
     experiment.client.log_artifact(run_id, str(last), "checkpoint")
-    return model
+    # The trained model has the type of trainer.precision: the one that is scored is what others read.
+    scored: Upsampler = instantiate(cfg.model)
+    load_weights(scored, last)
+    return scored
 
 
 def make_loaders(cfg: DictConfig, files: Mapping[str, list[Path]], model: Upsampler, loss: Loss) -> Loaders:

@@ -12,7 +12,7 @@ from mlflow.entities import Run
 from omegaconf import DictConfig, OmegaConf
 
 from supersampling.data.module import DataSource, fingerprint
-from supersampling.errors import clear_traceback_frames, was_interrupted
+from supersampling.errors import clear_traceback_frames, find_time_limit, was_interrupted
 from supersampling.evaluation.result import evaluate
 from supersampling.evaluation.score import evaluation_requires
 from supersampling.losses import Loss
@@ -129,7 +129,8 @@ class Job:
         except BaseException as error:
             clear_traceback_frames(error)  # an interrupted transaction holds the store's lock
             # A finished run stays finished if further scores could not be added.
-            status = FINISHED if finished else "KILLED" if was_interrupted(error) else "FAILED"
+            stopped = was_interrupted(error) or find_time_limit(error) is not None
+            status = FINISHED if finished else "KILLED" if stopped else "FAILED"
             self.experiment.finish(run_id, status)
             raise
 
