@@ -5,7 +5,6 @@ from pathlib import Path
 
 from supersampling.scenes.gltf.document import MALFORMED, Document, malformed
 
-
 _READER = b"2"
 """Version of the reader: a file that is drawn otherwise by a newer one gets a data set of its own."""
 
