@@ -8,6 +8,7 @@ import binascii
 import json
 import re
 import struct
+import warnings
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -51,7 +52,9 @@ class Document:
                 f"{self.name} requires the unsupported glTF extension {unknown[0]}: export it without "
                 f"(supported: {', '.join(sorted(SUPPORTED))})."
             )
-        self.gltf: Any = GLTF2.from_json(text, infer_missing=True)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # about null where a value is expected, which reads as none
+            self.gltf: Any = GLTF2.from_json(text, infer_missing=True)
         # From the JSON: pygltflib names itself as the generator of a file without one.
         self.asset: dict[str, Any] = head["asset"]
         self.extensions: dict[str, Any] = head.get("extensions") or {}

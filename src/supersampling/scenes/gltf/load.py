@@ -28,6 +28,7 @@ from supersampling.scenes.scene import Object, Scene
 
 # Radii in metres that walking speeds, shadow maps and near planes are designed for; other sizes are scaled to them.
 _SMALLEST, _LARGEST = 0.5, 100.0
+_NEAREST = 1e-6  # metres; a survey takes smaller geometry, a single point, for this large
 _FARTHEST = 1e12  # metres; beyond, single precision cannot separate vertices
 
 
@@ -58,7 +59,7 @@ def _load(path: Path) -> Scene:
     if not instances:
         raise UserError(f"The default scene of {path.name} has no triangles: add meshes to it.")
     geometry = survey(meshes.meshes, instances)
-    if not geometry.radius < _FARTHEST:
+    if not _NEAREST < geometry.radius < _FARTHEST:
         raise UserError(
             f"The geometry of {path.name} spans {2.0 * geometry.radius:.3g} m: check its nodes' transforms."
         )
