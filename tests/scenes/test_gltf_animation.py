@@ -167,7 +167,7 @@ def test_the_brightest_light_sets_the_level_whatever_its_unit(tmp_path: Path) ->
         file = Builder()
         file.light(type="directional", intensity=lux)
         file.light(type="directional", intensity=lux / 10)
-        with pytest.warns(UserWarning, match="of 2 directional lights only the brightest"):
+        with pytest.warns(UserWarning, match="of several directional lights only the brightest"):
             scene = lights(file, tmp_path, {}, {"translation": [0, 0, 1]})
         assert scene.sun is not None
         suns.append(scene.sun.radiance)

@@ -101,7 +101,9 @@ def test_masks_compare_factor_times_texture_with_the_cutoff(factor: float, tmp_p
 
 
 def test_blended_alpha_carries_its_factor(tmp_path: Path) -> None:
-    made = material_of(Builder(), tmp_path, pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.2]}, alphaMode="BLEND")
+    pbr = {"baseColorFactor": [1, 1, 1, 0.2]}
+    with pytest.warns(UserWarning, match="blending is drawn as a test at half opacity"):
+        made = material_of(Builder(), tmp_path, pbrMetallicRoughness=pbr, alphaMode="BLEND")
     assert made.alpha == "blend"
     assert made.albedo is not None
     np.testing.assert_array_equal(made.albedo, [[[255, 255, 255, 51]]])

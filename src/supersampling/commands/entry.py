@@ -169,14 +169,27 @@ def _status_of(error: BaseException) -> int:
 
 
 def _silence_libraries() -> None:
-    """Silence what libraries report about themselves; warnings about the user's data stay."""
+    """Silence what libraries report about themselves; warnings about the user's data stay, as plain lines."""
     os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
     os.environ.setdefault("MLFLOW_LOGGING_LEVEL", "ERROR")
     os.environ.setdefault("MLFLOW_ENABLE_ARTIFACTS_PROGRESS_BAR", "false")
     os.environ.setdefault("GIT_PYTHON_REFRESH", "quiet")
     warnings.filterwarnings("ignore", category=UserWarning, module=r"lightning\..*")
     warnings.filterwarnings("ignore", category=FutureWarning)
+    warnings.formatwarning = _format_warning
     for library in ("lightning.pytorch", "mlflow", "alembic"):
         logging.getLogger(library).setLevel(logging.ERROR)
     # It logs a stack trace of each error that it raises.
     logging.getLogger("mlflow.store.db.utils").setLevel(logging.CRITICAL)
+
+
+_format_library_warning = warnings.formatwarning
+
+
+def _format_warning(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
+) -> str:
+    """Return a warning of ours about the user's data as one line; those of libraries show where they come from."""
+    if category is UserWarning and Path(filename).is_relative_to(Path(__file__).parents[1]):
+        return f"warning: {message}\n"
+    return _format_library_warning(message, category, filename, lineno, line)

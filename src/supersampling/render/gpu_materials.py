@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from supersampling.scenes.scene import Material, Texture
+from supersampling.scenes.scene import Material, Sampling, Texture
 
 _SRGB8_ALPHA8 = 0x8C43
 _UNIFORM_ALIGNMENT = 256
 _BLOCK_BYTES = 48  # MaterialBlock of gbuffer_fragment.glsl
 _WHITE: Texture = np.full((1, 1, 4), 255, np.uint8)
+_Maps = list[moderngl.Texture | None]
 
 
 class GpuMaterials:
@@ -19,12 +20,14 @@ class GpuMaterials:
     def __init__(self, ctx: moderngl.Context, materials: Sequence[Material]) -> None:
         self._ctx = ctx
         self._buffer = ctx.buffer(_block(materials))
-        self._textures: dict[tuple[int, bool], moderngl.Texture] = {}
-        white = self._texture(_WHITE, srgb=True)
-        self.albedo = [white if m.albedo is None else self._texture(m.albedo, srgb=True) for m in materials]
-        self._normal = self._upload([m.normal for m in materials], srgb=False)
-        self._surface = self._upload([m.surface for m in materials], srgb=False)
-        self._glow = self._upload([m.glow for m in materials], srgb=True)
+        self._textures: dict[tuple[int, bool, Sampling], moderngl.Texture] = {}
+        sampling = [m.sampling for m in materials]
+        self.albedo = [
+            self._texture(_WHITE if m.albedo is None else m.albedo, m.sampling, srgb=True) for m in materials
+        ]
+        self._normal = self._upload([m.normal for m in materials], sampling, srgb=False)
+        self._surface = self._upload([m.surface for m in materials], sampling, srgb=False)
+        self._glow = self._upload([m.glow for m in materials], sampling, srgb=True)
 
     def bind(self, material: int) -> None:
         """Bind the factors of one material to uniform block 0."""
@@ -34,12 +37,12 @@ class GpuMaterials:
         """Return the albedo, normal, surface and glow map of one material."""
         return tuple(maps[material] for maps in (self.albedo, self._normal, self._surface, self._glow))
 
-    def _upload(self, images: Sequence[Texture | None], srgb: bool) -> list[moderngl.Texture | None]:
-        return [None if image is None else self._texture(image, srgb) for image in images]
+    def _upload(self, images: Sequence[Texture | None], sampling: Sequence[Sampling], *, srgb: bool) -> _Maps:
+        return [None if image is None else self._texture(image, s, srgb=srgb) for image, s in zip(images, sampling)]
 
-    def _texture(self, image: Texture, srgb: bool) -> moderngl.Texture:
-        """Return a mipmapped, repeating texture, shared by materials that share an array (kept alive by the scene)."""
-        key = (id(image), srgb)
+    def _texture(self, image: Texture, sampling: Sampling, *, srgb: bool) -> moderngl.Texture:
+        """Return a mipmapped texture, shared by materials of the same sampling and array (kept alive by the scene)."""
+        key = (id(image), srgb, sampling)
         if key not in self._textures:
             height, width = image.shape[:2]
             if image.shape[2] == 3:
@@ -48,7 +51,8 @@ class GpuMaterials:
             data = np.ascontiguousarray(image).tobytes()
             texture = self._ctx.texture((width, height), 4, data, internal_format=_SRGB8_ALPHA8 if srgb else None)
             texture.build_mipmaps()
-            texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+            texture.filter = (sampling.minify, sampling.magnify)
+            texture.repeat_x, texture.repeat_y = sampling.repeat
             self._textures[key] = texture
         return self._textures[key]
 
@@ -58,7 +62,7 @@ def _block(materials: Sequence[Material]) -> bytes:
     for row, m in zip(block, materials):
         cutoff = 0.5 if m.alpha == "blend" else m.alpha_cutoff
         row[: _BLOCK_BYTES // 4] = [
-            *(*m.base_color, 1.0),
+            *(*m.base_color, float(m.colored_emission)),
             *(*m.emission, float(m.double_sided)),
             *(m.roughness, m.metallic, cutoff, float(m.interface)),
         ]

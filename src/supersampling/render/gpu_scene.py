@@ -1,7 +1,8 @@
 """Geometry of a scene on the GPU, cut into chunks small enough to cull, and its materials.
 
-A DRAW is a chunk of a mesh under an object's transform. Draws are sorted by GROUP: draws of the same material and
-winding, which one indirect call renders, since textures are bound per material.
+A DRAW is a chunk of a mesh under an object's transform. A GROUP is the draws of the same material and winding, which
+one indirect call renders, since textures are bound per material. Moving objects change their group whenever a transform
+begins or ends to mirror.
 """
 
 from dataclasses import dataclass
@@ -94,7 +95,7 @@ class GpuScene:
 
     ``commands (D, 5)`` are OpenGL's indirect draw records, ``draw_groups (D,)`` indexes ``groups`` (groups of the
     interface come last), ``moving (D,)`` and ``casts (D,)`` tell which draws belong to moving objects and which cast
-    shadows. `place` sets the transforms of one instant.
+    shadows. `place` sets the transforms of one instant and with them ``draw_groups``.
     """
 
     def __init__(self, ctx: moderngl.Context, scene: Scene) -> None:
@@ -120,9 +121,11 @@ class GpuScene:
         for mesh in self.scene.meshes:
             data = np.zeros(len(mesh.positions), dtype=record)
             data["p"], data["n"] = mesh.positions, mesh.normals
-            data["uv"], data["t"] = mesh.uv, tangents(mesh)
-            white = np.ones((len(mesh.positions), 3)) if mesh.colors is None else mesh.colors
-            data["c"][:, :3] = np.rint(np.clip(np.asarray(white, np.float64), 0.0, 1.0) * 255.0)
+            data["uv"], data["t"] = mesh.uv, tangents(mesh) if mesh.tangents is None else mesh.tangents
+            data["c"] = 255  # white and opaque
+            if mesh.colors is not None:
+                rounded = np.rint(np.clip(np.asarray(mesh.colors, np.float64), 0.0, 1.0) * 255.0)
+                data["c"][:, : mesh.colors.shape[1]] = rounded
             chunks.append([])
             for part in split(mesh):
                 corners = mesh.positions[part.ravel()].astype(np.float64)
@@ -145,17 +148,17 @@ class GpuScene:
         self.movers = [i for i, o in enumerate(scene.objects) if o.moves]
         rows = []
         for i, item in enumerate(scene.objects):
-            mirrored = bool(np.linalg.det(self.models[i, :3, :3]) < 0.0)
             for m in item.meshes:
                 material = scene.meshes[m].material
-                key = (scene.materials[material].interface, material, mirrored)
+                key = (scene.materials[material].interface, material)
                 rows += [(key, first, count, i, lo, hi) for first, count, lo, hi in chunks[m]]
         rows.sort(key=lambda row: row[0])
         keys = sorted({row[0] for row in rows})
-        self.groups = [DrawGroup(material, mirrored) for _, material, mirrored in keys]
-        index = {key: n for n, key in enumerate(keys)}
-        self.draw_groups = np.array([index[row[0]] for row in rows], dtype=np.int64)
+        self.groups = [DrawGroup(material, mirrored) for _, material in keys for mirrored in (False, True)]
+        index = {key: 2 * n for n, key in enumerate(keys)}
+        self._plain_groups = np.array([index[row[0]] for row in rows], dtype=np.int64)
         self.draw_objects = np.array([row[3] for row in rows], dtype=np.int64)
+        self._group_draws()
         # Records of glMultiDrawElementsIndirect; the base instance picks the object's transforms.
         self.commands = np.array([(row[2], 1, row[1], 0, row[3]) for row in rows], dtype=np.uint32).reshape(-1, 5)
         self._lo = np.array([row[4] for row in rows], dtype=np.float64).reshape(-1, 3)
@@ -163,6 +166,16 @@ class GpuScene:
         self.moving = np.isin(self.draw_objects, self.movers)
         self.casts = np.array([not row[0][0] for row in rows], dtype=bool)
         self.boxes: Boxes = transformed(self._lo, self._hi, self.models[self.draw_objects])
+
+    def _group_draws(self) -> None:
+        """Set the group of each draw by the winding of its object's present transform."""
+        mirrored = np.linalg.det(self.models[:, :3, :3]) < 0.0
+        self.draw_groups = self._plain_groups + mirrored[self.draw_objects]
+
+    def in_order(self, selected: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Return the indices of the draws ``selected (D,)``, sorted by group."""
+        draws = np.flatnonzero(selected)
+        return draws[np.argsort(self.draw_groups[draws], kind="stable")]
 
     def _static_bounds(self) -> Boxes:
         """Return the ``(1, 3)`` box of all static geometry, or of all geometry if none is static."""
@@ -186,6 +199,7 @@ class GpuScene:
             moved = self.moving
             lo, hi = transformed(self._lo[moved], self._hi[moved], self.models[self.draw_objects[moved]])
             self.boxes[0][moved], self.boxes[1][moved] = lo, hi
+            self._group_draws()
         if len(self.models) == 0:
             return
         # Multiply in float64: large offsets of the world cancel here instead of in the shader's float32.

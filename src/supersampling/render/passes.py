@@ -84,7 +84,7 @@ class Passes:
         planes = clip_planes(view.clip)
         # Jitter moves the image by up to half a pixel, so widen the volume by as much.
         planes[:4] += view.clip[3] / min(view.size)
-        draws = np.flatnonzero(visible(gpu.boxes, planes))
+        draws = gpu.in_order(visible(gpu.boxes, planes))
         gpu.write_commands(draws)
         groups, starts, counts = np.unique(gpu.draw_groups[draws], return_index=True, return_counts=True)
         behind = True

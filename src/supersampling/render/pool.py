@@ -5,6 +5,7 @@ import os
 import signal
 import time
 import traceback
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -140,6 +141,7 @@ def _exception(by_user: bool, text: str) -> Exception:
 
 def _worker(order: Order, frames: "Synchronized[int]", errors: "Queue[tuple[bool, str]]", parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends this process
+    warnings.simplefilter("ignore", UserWarning)  # the parent reads the same scene and issues the same warnings
 
     def report() -> None:
         if os.getppid() != parent:

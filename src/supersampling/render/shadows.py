@@ -54,7 +54,7 @@ class Casters:
     def draw(self, target: moderngl.Framebuffer, light: Matrix, selected: NDArray[np.bool_]) -> None:
         """Draw the draws ``selected (D,)`` into the target's current viewport."""
         gpu, ctx = self._gpu, self._ctx
-        draws = np.flatnonzero(selected)
+        draws = gpu.in_order(selected)
         if len(draws) == 0:
             return
         target.use()

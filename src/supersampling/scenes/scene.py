@@ -18,6 +18,15 @@ Vector = NDArray[np.float64]
 Transform = Callable[[float], Array]  # seconds -> (4, 4) object-to-world matrix, column vectors
 
 
+@dataclass(frozen=True)
+class Sampling:
+    """Filters of maps, by OpenGL's numbers; ``repeat`` tells for u and v whether maps repeat or extend their edges."""
+
+    minify: int = 9987  # LINEAR_MIPMAP_LINEAR
+    magnify: int = 9729  # LINEAR
+    repeat: tuple[bool, bool] = (True, True)
+
+
 @dataclass(frozen=True, eq=False)
 class Material:
     """Metallic-roughness material; textures multiply the factors.
@@ -25,7 +34,8 @@ class Material:
     ``albedo`` is sRGB RGBA (or RGB), ``normal`` a tangent-space map (OpenGL convention, y up along +bitangent),
     ``surface`` linear RGB with R = roughness, G = metallic, B = emission mask (white where absent).
     ``emission`` is linear radiance, multiplied by ``glow`` (sRGB RGB) if present, else by the albedo texture and the
-    blue channel of the surface map; ``base_color`` and the colors of a mesh do not change it.
+    blue channel of the surface map; ``base_color`` does not change it, and the colors of a mesh multiply it if
+    ``colored_emission``.
     ``alpha``: ``opaque``; ``test`` discards below ``alpha_cutoff``; ``blend`` is drawn as a test at 0.5.
     ``interface`` marks an element of the user interface (QRISP, annex A.2): only its emission is drawn, over the
     surface behind it, which keeps its depth, motion and object id; it is hidden by surfaces in front of it, takes no
@@ -45,6 +55,8 @@ class Material:
     alpha_cutoff: float = 0.5
     double_sided: bool = False
     interface: bool = False
+    colored_emission: bool = False
+    sampling: Sampling = Sampling()
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +64,9 @@ class Mesh:
     """Triangles of one material.
 
     ``positions (N, 3)``, unit ``normals (N, 3)``, ``uv (N, 2)``, ``triangles (M, 3)`` uint32, front faces
-    counter-clockwise. ``colors (N, 3)`` are linear factors on the albedo, white when absent. The renderer derives the
-    tangents from the uv.
+    counter-clockwise. ``colors (N, 3)`` or ``(N, 4)`` are linear factors on the albedo, and on its alpha where that is
+    tested; white when absent. ``tangents (N, 4)`` are the direction in which the normal map's x points and the sign of
+    the bitangent; without them the renderer derives them from the uv.
     """
 
     positions: Array
@@ -62,6 +75,7 @@ class Mesh:
     triangles: NDArray[np.uint32]
     material: int
     colors: Array | None = None
+    tangents: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

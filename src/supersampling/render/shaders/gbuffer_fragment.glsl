@@ -1,7 +1,7 @@
 layout(std140, binding = 0) uniform MaterialBlock {
-    vec4 base_color;
-    vec4 emission;  // a: double sided
-    vec4 factors;   // roughness, metallic, alpha cutoff, interface
+    vec4 base_color;  // a: the colours of a mesh multiply the emission
+    vec4 emission;    // a: double sided
+    vec4 factors;     // roughness, metallic, alpha cutoff, interface
 } material;
 
 uniform sampler2D albedo_map;
@@ -12,9 +12,11 @@ uniform float mip_bias;
 uniform vec2 depth_range;  // near, 1 / (far - near)
 
 in vec2 uv;
+#if defined(ALPHA_TEST) || defined(SHADE)
+in vec4 color;
+#endif
 #ifdef SHADE
 in vec3 normal;
-in vec3 color;
 #ifdef NORMAL_MAP
 in vec4 tangent;
 #endif
@@ -45,7 +47,7 @@ void main() {
     vec4 albedo = texture(albedo_map, uv, mip_bias);
 #endif
 #ifdef ALPHA_TEST
-    if (albedo.a < material.factors.z) discard;
+    if (albedo.a * color.a < material.factors.z) discard;
 #endif
     out_depth = (1.0 / gl_FragCoord.w - depth_range.x) * depth_range.y;
 #ifdef MOTION
@@ -73,7 +75,7 @@ void main() {
     }
 #endif
     if (material.emission.a > 0.5 && !gl_FrontFacing) n = -n;
-    vec3 base = albedo.rgb * color * material.base_color.rgb;
+    vec3 base = albedo.rgb * color.rgb * material.base_color.rgb;
     out_albedo = vec4(base, clamp(surface.r * material.factors.x, 0.0, 1.0));
     out_normal = vec4(n, clamp(surface.g * material.factors.y, 0.0, 1.0));
 #ifdef GLOW_MAP
@@ -81,6 +83,7 @@ void main() {
 #else
     vec3 emission = material.emission.rgb * albedo.rgb * surface.b;
 #endif
+    emission *= mix(vec3(1.0), color.rgb, material.base_color.a);
     out_emission = vec4(emission, material.factors.w);
 #endif
 }

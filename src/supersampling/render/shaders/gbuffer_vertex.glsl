@@ -15,9 +15,11 @@ in float in_object;
 uniform vec2 jitter;  // of the sample, clip space
 
 out vec2 uv;
+#if defined(ALPHA_TEST) || defined(SHADE)
+out vec4 color;
+#endif
 #ifdef SHADE
 out vec3 normal;
-out vec3 color;
 #ifdef NORMAL_MAP
 out vec4 tangent;
 #endif
@@ -33,6 +35,9 @@ flat out float object;
 void main() {
     vec4 clip = in_current * vec4(in_position, 1.0);
     uv = in_uv;
+#if defined(ALPHA_TEST) || defined(SHADE)
+    color = in_color;
+#endif
 #ifdef MOTION
     current = clip.xyw;
     vec4 p = vec4(in_position, 1.0);
@@ -47,7 +52,6 @@ void main() {
     mat3 cofactors = mat3(cross(y, z), cross(z, x), cross(x, y));  // columns are the cofactor matrix's rows
     float winding = sign(dot(x, cross(y, z)));
     normal = winding * (in_normal * cofactors);
-    color = in_color.rgb;
 #ifdef NORMAL_MAP
     tangent = vec4(dot(x, in_tangent.xyz), dot(y, in_tangent.xyz), dot(z, in_tangent.xyz), winding * in_tangent.w);
 #endif

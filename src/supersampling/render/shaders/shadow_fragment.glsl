@@ -8,9 +8,10 @@ layout(std140, binding = 0) uniform MaterialBlock {
 uniform sampler2D albedo_map;
 
 in vec2 uv;
+in float opacity;
 
 void main() {
-    if (texture(albedo_map, uv).a < material.factors.z) discard;
+    if (texture(albedo_map, uv).a * opacity < material.factors.z) discard;
 }
 #else
 void main() {}

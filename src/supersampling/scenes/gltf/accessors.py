@@ -11,7 +11,8 @@ from supersampling.scenes.gltf.document import Document
 
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-_MOST = 1 << 26  # elements; without a buffer view an accessor could declare any number
+_MOST = 1 << 26  # elements
+_MOST_ZEROS = 1 << 22  # elements of an accessor without a buffer view, which could declare any number
 
 
 class Accessors:
@@ -55,7 +56,8 @@ class Accessors:
         accessor = self._document.item("accessors", index)
         dtype, width = self._type(index, accessor.componentType), _WIDTHS.get(accessor.type)
         count = accessor.count or 0
-        if width is None or not 0 < count <= _MOST:
+        most = _MOST_ZEROS if accessor.bufferView is None else _MOST
+        if width is None or not 0 < count <= most:
             raise UserError(
                 f"Accessor {index} of {self._document.name} has the invalid type {accessor.type} or count {count}: "
                 "export it again."

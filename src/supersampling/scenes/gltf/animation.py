@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.accessors import Accessors
 from supersampling.scenes.gltf.document import Document
+from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.notes import Notes
 
 Vector = NDArray[np.float64]
@@ -125,11 +126,11 @@ def read_keyframes(document: Document, accessors: Accessors, notes: Notes) -> di
         for (channel, sampler), times in zip(samplers, inputs):
             node, path = channel.target.node, channel.target.path
             if node is None or path not in PATHS:
-                notes.add(f"animations of {path or 'something other than a node'} are left out")
+                notes.add(Deviation.WEIGHTS if path == "weights" else Deviation.CHANNELS)
                 continue
             document.item("nodes", node)
             if path in curves.setdefault(node, {}):
-                notes.add("animations of properties that an earlier animation moves are left out")
+                notes.add(Deviation.TWICE)
                 continue
             curves[node][path] = _curve(accessors, times, sampler, path, period, what)
     return curves

@@ -8,6 +8,7 @@ import binascii
 import json
 import re
 import struct
+import warnings
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,16 +17,8 @@ from urllib.parse import unquote, unquote_to_bytes
 from pygltflib import GLTF2
 
 from supersampling.errors import UserError
+from supersampling.scenes.gltf.features import SUPPORTED
 
-SUPPORTED = frozenset(
-    {
-        "KHR_lights_punctual",
-        "KHR_materials_emissive_strength",
-        "KHR_materials_unlit",
-        "KHR_mesh_quantization",
-        "KHR_texture_transform",
-    }
-)
 _MAGIC, _JSON, _BIN = b"glTF", 0x4E4F534A, 0x004E4942
 _LARGEST = 1 << 32  # bytes of a file that is read
 
@@ -59,10 +52,13 @@ class Document:
                 f"{self.name} requires the unsupported glTF extension {unknown[0]}: export it without "
                 f"(supported: {', '.join(sorted(SUPPORTED))})."
             )
-        self.gltf: Any = GLTF2.from_json(text, infer_missing=True)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # about null where a value is expected, which reads as none
+            self.gltf: Any = GLTF2.from_json(text, infer_missing=True)
         # From the JSON: pygltflib names itself as the generator of a file without one.
         self.asset: dict[str, Any] = head["asset"]
         self.extensions: dict[str, Any] = head.get("extensions") or {}
+        self._head = head
 
     def item(self, kind: str, index: int) -> Any:
         """Return ``gltf.<kind>[index]``, or raise `UserError` if it does not exist."""
@@ -73,6 +69,22 @@ class Document:
                 "the file is broken, export it again."
             )
         return items[index]
+
+    def weights(self, node: int) -> tuple[float, ...] | None:
+        """Return a node's weights of morph targets, which pygltflib drops; None if the node has none."""
+        weights = self._head["nodes"][node].get("weights")
+        return None if weights is None else tuple(float(w) for w in weights)
+
+    def used_extensions(self) -> set[str]:
+        """Return the names of the extensions that the file lists or uses."""
+        names, waiting = set(self._head.get("extensionsUsed") or ()), [self._head]
+        while waiting:
+            item = waiting.pop()
+            names |= set(item.get("extensions") or ())
+            values = [value for key, value in item.items() if key != "extras"]
+            lists = [value for value in values if isinstance(value, list)]
+            waiting += [value for part in (values, *lists) for value in part if isinstance(value, dict)]
+        return names
 
     def _read_buffer(self, index: int) -> memoryview:
         """Return a buffer's bytes, exactly as many as it declares."""

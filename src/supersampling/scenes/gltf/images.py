@@ -3,14 +3,12 @@
 from functools import cache
 
 import numpy as np
-from PIL import Image
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.scene import Texture
 from supersampling.scenes.textures import decode_rgba, open_texture
 
-LARGEST_SIDE = 16384  # pixels; larger images are an error
 USED_SIDE = 4096  # pixels; larger images are halved until they fit
 
 
@@ -46,18 +44,9 @@ class Images:
 
 def _decode(data: bytes, name: str) -> Texture:
     """Return ``(H, W, 4)`` of a file; ``name`` begins each error."""
-    try:
-        image = open_texture(data, name, ("PNG", "JPEG"))
-    except Image.DecompressionBombError as error:  # Pillow's limit on the area
-        raise _too_large(name, str(error).partition(",")[0]) from error
-    if max(image.size) > LARGEST_SIDE:
-        raise _too_large(name, f"{image.width}x{image.height} pixels")
+    image = open_texture(data, name, ("PNG", "JPEG"))
     bands = decode_rgba(image, data, name).split()
     # Band by band: halving RGBA at once would turn the colour of transparent texels black.
     while max(bands[0].size) > USED_SIDE:
         bands = tuple(band.reduce(2) for band in bands)
     return np.stack([np.asarray(band) for band in bands], axis=-1)
-
-
-def _too_large(name: str, size: str) -> UserError:
-    return UserError(f"{name} is too large ({size}): shrink it to at most {LARGEST_SIDE} pixels per side.")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.document import Document
+from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.nodes import Matrix, SceneNode
 from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.scene import PointLight, Sky, Sun
@@ -56,7 +57,7 @@ def read_lights(document: Document, nodes: Sequence[SceneNode], notes: Notes) ->
                 "export it again."
             )
         if node.transform.moves:
-            notes.add("moving lights stand where they are at time 0")
+            notes.add(Deviation.MOVING_LIGHTS)
         light = _light(definitions[index], index, node.transform.matrix(0.0), document.name)
         if light.power.max() > 0.0:
             lights.append(light)
@@ -101,7 +102,7 @@ def scene_lights(
         (light for light in lights if light.kind == "directional"), key=lambda light: -_luminance(light.power)
     )
     if len(suns) > 1:
-        notes.add(f"of {len(suns)} directional lights only the brightest is kept")
+        notes.add(Deviation.SUNS)
     points = [_point(light, unit, surface) for light in lights if light.kind != "directional"]
     strongest = sorted(range(len(points)), key=lambda k: -_luminance(np.array(points[k].intensity)))
     for k in strongest[_SHADOWED:]:

@@ -1,23 +1,22 @@
 """A glTF 2.0 file as a scene.
 
 Supported: the default scene's hierarchy, triangles, metallic-roughness materials with their textures, vertex colours,
-unlit and emissive materials, punctual lights, perspective cameras, and the repeated animation of nodes. Not supported:
-motion of skins and morph targets (both stay at rest), lines and points, blending (replaced by a test at half opacity),
-occlusion maps, texture wrapping other than repeating, and animations of properties that another animation moves; a
-warning names each that a file has.
+unlit and emissive materials, punctual lights, perspective cameras, and the repeated animation of nodes; skins and morph
+targets at rest. `features` lists what is drawn otherwise than the file says, with the warning for each.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.accessors import Accessors
 from supersampling.scenes.gltf.animation import read_keyframes
-from supersampling.scenes.gltf.document import MALFORMED, SUPPORTED, Document, malformed
+from supersampling.scenes.gltf.document import MALFORMED, Document, malformed
+from supersampling.scenes.gltf.features import SUPPORTED, Deviation
 from supersampling.scenes.gltf.lights import PunctualLight, read_lights, scene_lights
 from supersampling.scenes.gltf.materials import MaterialReader
 from supersampling.scenes.gltf.meshes import MeshReader
@@ -29,6 +28,7 @@ from supersampling.scenes.scene import Object, Scene
 
 # Radii in metres that walking speeds, shadow maps and near planes are designed for; other sizes are scaled to them.
 _SMALLEST, _LARGEST = 0.5, 100.0
+_NEAREST = 1e-6  # metres; a survey takes smaller geometry, a single point, for this large
 _FARTHEST = 1e12  # metres; beyond, single precision cannot separate vertices
 
 
@@ -54,12 +54,12 @@ def _load(path: Path) -> Scene:
     accessors = Accessors(document)
     materials = MaterialReader(document, notes)
     meshes = MeshReader(document, accessors, materials, notes)
-    nodes = scene_nodes(document, read_keyframes(document, accessors, notes))
+    nodes = scene_nodes(document, read_keyframes(document, accessors, notes), notes)
     instances = _instances(document, accessors, meshes, nodes, notes)
     if not instances:
         raise UserError(f"The default scene of {path.name} has no triangles: add meshes to it.")
     geometry = survey(meshes.meshes, instances)
-    if not geometry.radius < _FARTHEST:
+    if not _NEAREST < geometry.radius < _FARTHEST:
         raise UserError(
             f"The geometry of {path.name} spans {2.0 * geometry.radius:.3g} m: check its nodes' transforms."
         )
@@ -67,12 +67,12 @@ def _load(path: Path) -> Scene:
     walkable = is_walkable(geometry.radius)
     root = np.diag([factor, factor, factor, 1.0])
     geometry = geometry.scaled(factor)
-    routes = camera_routes(document, nodes, root, notes) + geometry_routes(geometry, walkable)
+    routes = camera_routes(document, nodes, geometry, factor, notes) + geometry_routes(geometry, walkable)
     lights = [_scaled(light, factor) for light in read_lights(document, nodes, notes)]
     sun, points, sky = scene_lights(lights, geometry.surface, notes)
     near, far = planes(geometry, routes)
-    for extension in sorted(set(document.gltf.extensionsUsed or ()) - SUPPORTED):
-        notes.add(f"the extension {extension} is ignored")
+    for extension in sorted(document.used_extensions() - SUPPORTED):
+        notes.add_extension(extension)
     notes.warn()
     return Scene(
         name=f"gltf/{path.stem}",
@@ -93,35 +93,37 @@ def _instances(
     document: Document, accessors: Accessors, meshes: MeshReader, nodes: Sequence[SceneNode], notes: Notes
 ) -> list[tuple[tuple[int, ...], NodeTransform]]:
     """Return the meshes and the transform of each node that has meshes."""
-    rest = {item.index: item.rest for item in nodes}
+    placed = {item.index: item for item in nodes}
     instances = []
     for item in nodes:
         node, transform = item.node, item.transform
         if node.mesh is None:
             continue
         if node.skin is not None:
-            notes.add("skinned meshes stay in their rest pose")
-            numbers = meshes.skinned(node.mesh, _joints(document, accessors, node.skin, rest))
+            skin = document.item("skins", node.skin)
+            joints = [placed[joint] for joint in skin.joints]
+            if any(joint.transform.moves for joint in joints):
+                notes.add(Deviation.SKINS)
+            numbers = meshes.skinned(node.mesh, item.weights, _joint_matrices(accessors, skin, joints))
             transform = NodeTransform((np.eye(4),))
         elif not transform.moves and np.linalg.det(transform.matrix(0.0)[:3, :3]) == 0.0:
-            notes.add("meshes of no size are left out")
+            notes.add(Deviation.FLAT_MESHES)
             continue
         else:
-            numbers = meshes.plain(node.mesh)
+            numbers = meshes.plain(node.mesh, item.weights)
         if numbers:
             instances.append((numbers, transform))
     return instances
 
 
-def _joints(document: Document, accessors: Accessors, index: int, rest: dict[int, Matrix]) -> NDArray[np.float64]:
+def _joint_matrices(accessors: Accessors, skin: Any, joints: Sequence[SceneNode]) -> Matrix:
     """Return the joint matrices ``(J, 4, 4)`` of a skin: its joints at rest times their inverse bind matrices."""
-    skin = document.item("skins", index)
-    joints = np.stack([rest[joint] for joint in skin.joints])
+    rest = np.stack([joint.rest for joint in joints])
     if skin.inverseBindMatrices is None:
-        return joints
+        return rest
     # glTF stores matrices column by column.
     inverse = accessors.floats(skin.inverseBindMatrices, 16).reshape(-1, 4, 4).transpose(0, 2, 1)
-    return joints @ inverse[: len(joints)]
+    return rest @ inverse[: len(rest)]
 
 
 def _scaled(light: PunctualLight, factor: float) -> PunctualLight:

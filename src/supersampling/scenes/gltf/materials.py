@@ -1,14 +1,17 @@
 """Conversion of glTF's materials to the scene's (specification, section 3.9)."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.errors import UserError
-from supersampling.scenes.gltf.coordinates import Coordinates, coordinates
+from supersampling.scenes.gltf.coordinates import Coordinates, Sampler, coordinates, read_sampler
 from supersampling.scenes.gltf.document import Document
+from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.images import Images
 from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.scene import Material, Texture
@@ -22,30 +25,31 @@ _WHITE: Texture = np.full((1, 1, 3), 255, np.uint8)
 class MaterialReader:
     """Reader that converts each material once; ``materials`` are the scene's materials.
 
-    The maps of a material share one set of texture coordinates: that of the first of base colour, metallic-roughness,
-    normal and emissive texture. A map with other coordinates is left out and noted; an emission is left out with its
-    map.
+    The maps of a material share one set of texture coordinates and one sampler: that of the first of base colour,
+    metallic-roughness, normal and emissive texture. A map with other coordinates is left out and noted; an emission is
+    left out with its map.
     """
 
     def __init__(self, document: Document, notes: Notes) -> None:
         self.materials: list[Material] = []
         self._document, self._notes = document, notes
         self._images = Images(document)
-        self._known: dict[int | None, tuple[int, Coordinates]] = {}
+        self._image = cache(self._read_image)
+        self._known: dict[int | None, tuple[int, Coordinates, Sampler]] = {}
 
-    def number(self, index: int | None) -> tuple[int, Coordinates]:
-        """Return a material's index in ``materials`` and its texture coordinates; None is glTF's default material."""
+    def number(self, index: int | None) -> tuple[int, Coordinates, Sampler]:
+        """Return a material's index in ``materials``, its texture coordinates and sampler; None is glTF's default."""
         if index not in self._known:
-            material, uv = self._read(index)
-            self._known[index] = (len(self.materials), uv)
+            material, uv, sampler = self._read(index)
+            self._known[index] = (len(self.materials), uv, sampler)
             self.materials.append(material)
         return self._known[index]
 
-    def _read(self, index: int | None) -> tuple[Material, Coordinates]:
+    def _read(self, index: int | None) -> tuple[Material, Coordinates, Sampler]:
         if index is None:
-            return Material("default", roughness=1.0, metallic=1.0), Coordinates()
+            return Material("default", roughness=1.0, metallic=1.0), Coordinates(), Sampler()
         source = self._document.item("materials", index)
-        slots = _Slots(self._document, self._images, self._notes)
+        slots = _Slots(self._document, self._image, self._notes)
         pbr = source.pbrMetallicRoughness
         color, alpha = self._factors(index, [1.0] * 4 if pbr is None else pbr.baseColorFactor or [1.0] * 4)
         mode = _ALPHA.get(source.alphaMode or "OPAQUE")
@@ -54,6 +58,10 @@ class MaterialReader:
                 f"Material {index} of {self._document.name} has the unknown alphaMode {source.alphaMode}: "
                 "use OPAQUE, MASK or BLEND."
             )
+        if mode == "blend":
+            self._notes.add(Deviation.BLENDING)
+        if source.occlusionTexture is not None and "KHR_materials_unlit" not in (source.extensions or {}):
+            self._notes.add(Deviation.OCCLUSION)
         albedo = None if pbr is None else slots.image(pbr.baseColorTexture, alpha=mode != "opaque")
         surface = None if pbr is None else slots.image(pbr.metallicRoughnessTexture)
         extensions = source.extensions or {}
@@ -75,10 +83,19 @@ class MaterialReader:
         if "KHR_materials_unlit" in extensions:
             material = _unlit(material)
         elif float(emission.max()) * strength > 0.0:
-            glow = slots.glow(source.emissiveTexture)
-            if glow is not None:
-                material = replace(material, glow=glow, emission=_triple(np.minimum(strength * emission, _BRIGHTEST)))
-        return material, slots.coordinates or Coordinates()
+            material = self._glowing(material, slots.glow(source.emissiveTexture), strength * emission)
+        material = replace(material, sampling=slots.sampler.sampling)
+        return material, slots.coordinates or Coordinates(), slots.sampler
+
+    def _glowing(self, material: Material, glow: Texture | None, emission: NDArray[np.float64]) -> Material:
+        if glow is None:
+            return material
+        if float(emission.max()) > _BRIGHTEST:
+            self._notes.add(Deviation.EMISSION)
+        return replace(material, glow=glow, emission=_triple(np.minimum(emission, _BRIGHTEST)))
+
+    def _read_image(self, index: int, alpha: bool, sampler: Sampler) -> Texture:
+        return sampler.extended(self._images.rgba(index) if alpha else self._images.rgb(index))
 
     def _factors(self, index: int, values: list[float]) -> tuple[NDArray[np.float64], float]:
         numbers = np.array([float(v) for v in values])
@@ -91,11 +108,12 @@ class MaterialReader:
 
 
 class _Slots:
-    """Texture slots of one material; ``coordinates`` are those of the first texture."""
+    """Texture slots of one material; ``coordinates`` and ``sampler`` are those of the first texture."""
 
-    def __init__(self, document: Document, images: Images, notes: Notes) -> None:
+    def __init__(self, document: Document, image: Callable[[int, bool, Sampler], Texture], notes: Notes) -> None:
         self.coordinates: Coordinates | None = None
-        self._document, self._images, self._notes = document, images, notes
+        self.sampler = Sampler()
+        self._document, self._image, self._notes = document, image, notes
 
     def image(self, info: Any, alpha: bool = False) -> Texture | None:
         """Return ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; None without a usable texture."""
@@ -103,15 +121,17 @@ class _Slots:
             return None
         texture = self._document.item("textures", info.index)
         if texture.source is None:
-            self._notes.add("textures without a PNG or JPEG image are left out")
+            self._notes.add(Deviation.IMAGES)
             return None
-        sampler = None if texture.sampler is None else self._document.item("samplers", texture.sampler)
-        uv = coordinates(info, sampler)
-        if self.coordinates is not None and uv != self.coordinates:
-            self._notes.add("textures with other coordinates than their material's first are left out")
+        uv, sampler = coordinates(info), read_sampler(self._document, texture.sampler)
+        if self.coordinates is None:
+            self.coordinates, self.sampler = uv, sampler
+        elif uv != self.coordinates:
+            self._notes.add(Deviation.COORDINATES)
             return None
-        self.coordinates = uv
-        return self._images.rgba(texture.source) if alpha else self._images.rgb(texture.source)
+        elif sampler != self.sampler:
+            self._notes.add(Deviation.SAMPLERS)
+        return self._image(texture.source, alpha, self.sampler)
 
     def glow(self, info: Any) -> Texture | None:
         """Return white without an emissive texture, None if it cannot be used: the whole surface would glow."""
@@ -159,6 +179,7 @@ def _unlit(material: Material) -> Material:
         roughness=1.0,
         metallic=1.0,
         emission=material.base_color,
+        colored_emission=True,
     )
 
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.animation import Keyframes, Vector, local_matrix, moving_matrix
 from supersampling.scenes.gltf.document import Document
+from supersampling.scenes.gltf.features import Deviation
+from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.scene import Array, Transform
 
 Matrix = NDArray[np.float64]
@@ -57,19 +59,25 @@ class NodeTransform:
 
 @dataclass(frozen=True, eq=False)
 class SceneNode:
-    """Node of the scene: pygltflib's object, its transform over time, and its matrix at rest, both to the world."""
+    """Node of the scene: pygltflib's object, its transform over time, and its matrix at rest, both to the world.
+
+    ``weights`` are those of the node's morph targets; None stands for the mesh's.
+    """
 
     index: int
     node: Any
     transform: NodeTransform
     rest: Matrix
+    weights: tuple[float, ...] | None
 
 
-def scene_nodes(document: Document, curves: Mapping[int, Mapping[str, Keyframes]]) -> list[SceneNode]:
+def scene_nodes(document: Document, curves: Mapping[int, Mapping[str, Keyframes]], notes: Notes) -> list[SceneNode]:
     """Return all nodes of the default scene, parents before children.
 
     Without a default, use the first scene; without scenes, start from all nodes without a parent.
     """
+    if len(document.gltf.scenes) > 1 and document.gltf.scene is None:
+        notes.add(Deviation.SCENES)
     count = len(document.gltf.nodes)
     waiting = [(index, NodeTransform(), _IDENTITY) for index in reversed(_roots(document))]
     seen: set[int] = set()
@@ -85,7 +93,7 @@ def scene_nodes(document: Document, curves: Mapping[int, Mapping[str, Keyframes]
         seen.add(index)
         local, moving = _local(document, index, curves.get(index, {}))
         transform, rest = transform.then(local if moving is None else moving), rest @ local
-        nodes.append(SceneNode(index, node, transform, rest))
+        nodes.append(SceneNode(index, node, transform, rest, document.weights(index)))
         waiting += [(child, transform, rest) for child in reversed(node.children or [])]
     if not document.gltf.scenes and len(seen) < count:
         raise UserError(f"The nodes of {document.name} form a cycle, but nodes must form trees: export it again.")

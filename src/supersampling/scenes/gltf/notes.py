@@ -3,6 +3,8 @@
 import warnings
 from collections import Counter
 
+from supersampling.scenes.gltf.features import Deviation, ignored_extension
+
 
 class Notes:
     """Counters of deviations: call `add` for each occurrence and `warn` once at the end."""
@@ -11,8 +13,12 @@ class Notes:
         self._name = name
         self._counts: Counter[str] = Counter()
 
-    def add(self, what: str) -> None:
-        self._counts[what] += 1
+    def add(self, deviation: Deviation) -> None:
+        self._counts[deviation.value] += 1
+
+    def add_extension(self, name: str) -> None:
+        """Count an extension that is ignored."""
+        self._counts[ignored_extension(name)] += 1
 
     def warn(self) -> None:
         """Issue one `UserWarning` per kind."""

@@ -1,11 +1,13 @@
 """Camera routes of a file: its perspective cameras, and orbits, dollies and walks around or through its geometry."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.scenes.gltf.document import Document
+from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.nodes import Matrix, NodeTransform, SceneNode
 from supersampling.scenes.gltf.notes import Notes
 from supersampling.scenes.gltf.survey import Survey
@@ -19,8 +21,11 @@ _OUTSIDE = 6  # of these routes are around a walkable scene if there is room for
 _GOLDEN = np.pi * (3.0 - 5.0**0.5)  # radians between successive routes, so that no two look from the same side
 
 
-def camera_routes(document: Document, nodes: Sequence[SceneNode], root: Matrix, notes: Notes) -> list[Route]:
-    """Return one route per perspective camera of the scene's nodes, moving with its node."""
+def camera_routes(
+    document: Document, nodes: Sequence[SceneNode], geometry: Survey, factor: float, notes: Notes
+) -> list[Route]:
+    """Return one route per perspective camera of the scene's nodes, moving with its node; the world is scaled."""
+    root = np.diag([factor, factor, factor, 1.0])
     routes = []
     for item in nodes:
         if item.node.camera is None:
@@ -28,15 +33,28 @@ def camera_routes(document: Document, nodes: Sequence[SceneNode], root: Matrix, 
         camera = document.item("cameras", item.node.camera)
         lens = camera.perspective
         if lens is None or not 0.0 < (lens.yfov or 0.0) < np.pi:
-            notes.add("cameras that are not perspective are left out")
+            notes.add(Deviation.ORTHOGRAPHIC)
             continue
         transform = item.transform.under(root)
         if abs(np.linalg.det(transform.matrix(0.0)[:3, :3])) < 1e-18:
-            notes.add("cameras of no size are left out")
+            notes.add(Deviation.FLAT_CAMERAS)
             continue
+        _note_lens(lens, _rigid(transform.matrix(0.0)).astype(np.float64), geometry, factor, notes)
         name = item.node.name or camera.name or f"camera {item.node.camera}"
         routes.append(Route(name, _trace(transform), recorded=_recorded(transform), fov=float(lens.yfov)))
     return routes
+
+
+def _note_lens(lens: Any, place: Matrix, geometry: Survey, factor: float, notes: Notes) -> None:
+    """Note an aspect ratio, and near and far planes that would cut geometry in view of a camera in a scaled world."""
+    if lens.aspectRatio is not None:
+        notes.add(Deviation.ASPECT)
+    local = (geometry.surface - place[:3, 3]) @ place[:3, :3] / factor
+    depth, slope = -local[:, 2], np.tan(0.5 * lens.yfov)
+    seen = (np.abs(local[:, 1]) < slope * depth) & (np.abs(local[:, 0]) < (lens.aspectRatio or 16 / 9) * slope * depth)
+    near, far = lens.znear or 0.0, np.inf if lens.zfar is None else lens.zfar
+    if (seen & ((depth < near) | (depth > far))).any():
+        notes.add(Deviation.PLANES)
 
 
 def _recorded(transform: NodeTransform) -> Transform:

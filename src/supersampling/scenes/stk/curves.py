@@ -10,6 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
+from supersampling.errors import UserError
+from supersampling.scenes.stk.numbers import attribute, number
+
 FRAMES_PER_SECOND = 25.0
 CHANNELS = ("LocX", "LocY", "LocZ", "RotX", "RotY", "RotZ", "ScaleX", "ScaleY", "ScaleZ")
 
@@ -63,7 +66,9 @@ def _cubic_bezier(u: float, p0: float, p1: float, p2: float, p3: float) -> float
 
 def read_curves(element: Element) -> Mapping[str, Curve]:
     """Return the curves of an object by channel, without channels that objects do not use (those of cannons)."""
-    rate = float(element.get("fps", FRAMES_PER_SECOND))
+    rate = attribute(element, "fps", FRAMES_PER_SECOND)
+    if rate <= 0.0:
+        raise UserError(f"Invalid fps {rate} of an animation in the track's data: reinstall the SuperTuxKart data.")
     curves = {}
     for node in element.findall("curve"):
         channel = node.get("channel", "")
@@ -81,5 +86,5 @@ def _key(point: Element, rate: float) -> Key:
 
 
 def _pair(text: str) -> tuple[float, float]:
-    first, second = text.split()
-    return float(first), float(second)
+    first, _, second = text.strip().partition(" ")
+    return number(first), number(second)

@@ -20,7 +20,11 @@ def linear(srgb: NDArray[np.floating]) -> NDArray[np.float32]:
 
 
 def read_image(path: Path, alpha: bool, largest: int = LARGEST) -> Texture:
-    """Read ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; each side is the nearest power of two up to ``largest``."""
+    """Read ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; each side is the nearest power of two up to ``largest``.
+
+    Raises:
+        UserError: the file is not a readable image.
+    """
     data = path.read_bytes()
     image = open_texture(data, str(path), FORMATS)
     # JPEG decodes to a half or a quarter at a quarter of the cost.

@@ -6,6 +6,7 @@ is used.
 """
 
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -13,6 +14,7 @@ from xml.etree.ElementTree import Element
 
 from supersampling.errors import UserError
 from supersampling.scenes.stk.data import Assets
+from supersampling.scenes.stk.numbers import attribute, number
 from supersampling.scenes.stk.placement import Placement, read_placement, triple
 
 _INVISIBLE_TYPES = {"billboard", "sfx-emitter", "action-trigger", "cutscene_camera"}
@@ -89,7 +91,8 @@ class SceneReader:
 
     def _define(self, item: Element, folder: Path) -> None:
         group = item.get("lod_group", "")
-        distance = float(item.get("lod_distance", "inf"))
+        text = item.get("lod_distance")
+        distance = inf if text is None else number(text, largest=inf)
         path = self._assets.model(item.get("model", ""), folder)
         nearer = group not in self._groups or distance < self._groups[group].distance
         if path is not None and nearer:
@@ -115,9 +118,9 @@ class SceneReader:
         self._walk(self._libraries[path], path.parent, chain)
 
     def _lamp(self, node: Element, chain: tuple[Placement, ...]) -> None:
-        energy = float(node.get("energy", 1.0))
+        energy = attribute(node, "energy", 1.0)
         color = triple(node.get("color"), (255.0, 255.0, 255.0))
-        self.lamps.append(Lamp(chain, color, energy, float(node.get("distance", 20.0 * energy))))
+        self.lamps.append(Lamp(chain, color, energy, attribute(node, "distance", 20.0 * energy)))
 
 
 def _visible(node: Element) -> bool:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from supersampling.scenes.scene import Array, Transform
 from supersampling.scenes.stk.curves import Curve, read_curves
+from supersampling.scenes.stk.numbers import attribute, number
 
 Matrix = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -22,7 +23,7 @@ MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
 def triple(text: str | None, default: Triple) -> Triple:
     """Return the three numbers of an attribute, or ``default`` if it is missing or not a triple."""
     parts = (text or "").split()
-    return (float(parts[0]), float(parts[1]), float(parts[2])) if len(parts) == 3 else default
+    return (number(parts[0]), number(parts[1]), number(parts[2])) if len(parts) == 3 else default
 
 
 def rotation(axis: int, degrees: float) -> Matrix:
@@ -66,10 +67,10 @@ class Placement:
 
 def read_placement(element: Element) -> Placement:
     """Return the placement and curves of a scene node; the old syntax ``x y z h`` is also read."""
-    position = (float(element.get("x", 0)), float(element.get("y", 0)), float(element.get("z", 0)))
+    position = (attribute(element, "x", 0.0), attribute(element, "y", 0.0), attribute(element, "z", 0.0))
     return Placement(
         position=triple(element.get("xyz"), position),
-        degrees=triple(element.get("hpr"), (0.0, float(element.get("h", 0)), 0.0)),
+        degrees=triple(element.get("hpr"), (0.0, attribute(element, "h", 0.0), 0.0)),
         scale=triple(element.get("scale"), (1.0, 1.0, 1.0)),
         curves=read_curves(element),
     )

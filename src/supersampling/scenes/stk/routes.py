@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from supersampling.errors import UserError
 from supersampling.scenes.scene import Route
 from supersampling.scenes.stk.nodes import parse
+from supersampling.scenes.stk.numbers import attribute, index
 from supersampling.scenes.stk.placement import MIRROR, Triple, triple
 
 Points = NDArray[np.float64]
 _FEWEST = 8
+_LONGEST = 1e5  # metres of a driveline
 _LENGTH = 60.0  # metres of a route if the track is long enough
 _GAP = 3.0  # metres between two routes
 _STEP = 1.0  # metres between a route's points
@@ -47,7 +49,10 @@ def read_quads(element: Element) -> Points:
         for name in ("p0", "p1", "p2", "p3"):
             text = node.get(name, "")
             quad, colon, corner = text.partition(":")
-            corners.append(quads[int(quad)][int(corner)] if colon else triple(text, (0.0, 0.0, 0.0)))
+            if colon:
+                corners.append(quads[index(quad, len(quads), "quad")][index(corner, 4, "corner")])
+            else:
+                corners.append(triple(text, (0.0, 0.0, 0.0)))
         quads.append(corners)
     return np.array(quads).reshape(-1, 4, 3)
 
@@ -58,7 +63,10 @@ def _driveline(track: Path) -> tuple[Points, Points]:
     graph = parse(track / "graph.xml") if (track / "graph.xml").is_file() else None
     loop = graph.find("edge-loop") if graph is not None else None
     if loop is not None:
-        quads = quads[int(loop.get("from", 0)) : int(loop.get("to", len(quads) - 1)) + 1]
+        first, last = (
+            index(loop.get(name, str(k)), len(quads), "quad") for name, k in (("from", 0), ("to", len(quads) - 1))
+        )
+        quads = quads[first : last + 1]
     if len(quads) < 2:
         raise UserError(
             f"The driveline of the track {track.name} has only {len(quads)} quads: use a track with at least 2."
@@ -71,6 +79,8 @@ def _driveline(track: Path) -> tuple[Points, Points]:
 
 def _cut(middle: Points, across: Points) -> list[Route]:
     arc = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(middle, axis=0), axis=1))))
+    if not 0.0 < arc[-1] < _LONGEST:
+        raise UserError(f"The driveline of the track is {arc[-1]:.3g} m long: reinstall the SuperTuxKart data.")
     count = max(_FEWEST, round(arc[-1] / (_LENGTH + _GAP)))
     piece = arc[-1] / count
     routes = []
@@ -91,11 +101,15 @@ def _sample(arc: Points, values: Points, distance: Points) -> Points:
 
 def _walks(navmesh: Element) -> list[Route]:
     """Return disjoint walks from face to face, each the longest shortest path among the remaining faces."""
-    corners = np.array([[float(v.get(axis, 0.0)) for axis in "xyz"] for v in navmesh.iter("vertex")]).reshape(-1, 3)
-    faces = [[int(i) for i in face.get("indices", "").split()] for face in navmesh.iter("face")]
-    links = [[int(i) for i in face.get("adjacents", "").split()] for face in navmesh.iter("face")]
-    if not faces:
-        raise UserError("The track's navigation mesh has no faces: use a track with a driveline or a navigation mesh.")
+    corners = np.array([[attribute(v, axis, 0.0) for axis in "xyz"] for v in navmesh.iter("vertex")]).reshape(-1, 3)
+    mesh = list(navmesh.iter("face"))
+    faces = [[index(i, len(corners), "vertex") for i in face.get("indices", "").split()] for face in mesh]
+    links = [[index(i, len(mesh), "face") for i in face.get("adjacents", "").split()] for face in mesh]
+    if not faces or not all(faces):
+        raise UserError(
+            "The track's navigation mesh has no faces, or some without vertices: "
+            "use a track with a driveline or a navigation mesh."
+        )
     middles = np.array([corners[face].mean(axis=0) for face in faces]) @ MIRROR[:3, :3]
     remaining = set(range(len(faces)))
     routes: list[Route] = []

@@ -18,6 +18,7 @@ from supersampling.errors import UserError
 Floats = NDArray[np.float32]
 _NORMALS, _COLOURS, _TANGENTS = 1, 2, 4
 _WHITE = 128
+_FARTHEST = 1e6  # metres
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,9 +102,13 @@ def _buffer(
     front, back, colors = _vertices(reader, vertices, np.dtype(head), np.dtype(tail), bool(flags & _COLOURS))
     # Vertex counts up to 255 have byte indices.
     triangles = reader.array("<u2" if vertices > 255 else "u1", indices).astype(np.uint32).reshape(-1, 3)
+    if triangles.max(initial=0) >= max(vertices, 1):
+        raise ValueError(f"its indices reach vertex {triangles.max()} of {vertices}")
     positions = np.ascontiguousarray(front["position"], dtype=np.float32)
+    if not (np.abs(positions) < _FARTHEST).all():
+        raise ValueError("some of its positions are not finite")
     normals = _unpacked(front["normal"]) if flags & _NORMALS else _face_normals(positions, triangles)
-    uv = np.ascontiguousarray(back["uv"], dtype=np.float32) if textures[0] else None
+    uv = np.nan_to_num(np.ascontiguousarray(back["uv"], dtype=np.float32)) if textures[0] else None
     return MeshBuffer(positions, normals, colors, uv, triangles, textures)
 
 
@@ -113,6 +118,8 @@ def _vertices(
     """Return the fields before a vertex's colour, those after it, and the colours ``(count, 3)`` or None."""
     data = np.frombuffer(reader.data, np.uint8, offset=reader.position)
     short = head.itemsize + tail.itemsize + int(coloured)
+    if count * short > len(data):
+        raise ValueError("it is cut short")
     if not coloured:
         starts = np.arange(count) * short
         ends, white = starts + head.itemsize, None

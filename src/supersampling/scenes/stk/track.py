@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from supersampling.errors import UserError
 from supersampling.scenes.scene import Mesh, Object, Route, Scene
 from supersampling.scenes.stk.attribution import attribution
 from supersampling.scenes.stk.data import Assets, data_folder, track_folder
@@ -41,8 +42,11 @@ def load_track(name: str, root: Path | None = None) -> Scene:
     objects = []
     for model in reader.models:
         meshes = geometry.load(model.path)
+        item = Object(meshes, world_transform(model.chain))
+        if not np.isfinite(item.at(0.0)).all():
+            raise UserError(f"The place of {model.path.name} in {name} is not finite: reinstall the SuperTuxKart data.")
         if meshes:
-            objects.append(Object(meshes, world_transform(model.chain)))
+            objects.append(item)
     routes = read_routes(folder)
     sun, sky = read_sun(source), read_sky(source, assets)
     files = {model.path for model in reader.models} | geometry.materials.files | set(sky_files(source, assets))
