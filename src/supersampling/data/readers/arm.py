@@ -1,13 +1,13 @@
 """Reader of Arm neural graphics captures (NSS data set specification 1.0.1): linear HDR images, one JSON per sequence.
 
-``<NNNN>.json``, ``ground_truth/<NNNN>/<frame>.exr``, ``motion_gt/...`` and
-``x<scale>/{color,depth,motion}/<NNNN>/<frame>.exr``, below the capture's folder or below ``train``, ``val`` and
-``test`` in it.
+``<NNNN>.json``, ``ground_truth/<NNNN>/<frame>.exr`` and ``x<scale>/{color,depth,motion}/<NNNN>/<frame>.exr``, below the
+capture's folder or below ``train``, ``val`` and ``test`` in it. ``motion_gt/<NNNN>/<frame>.exr`` is optional, for all
+sequences or none.
 """
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import torch
@@ -16,7 +16,7 @@ from supersampling.data.readers.conventions import Convention
 from supersampling.data.readers.files import Frames, frame_numbers, number, read_json
 from supersampling.data.readers.images import Image, exr_size, read_exr
 from supersampling.data.readers.layout import CaptureClip, Layout
-from supersampling.data.readers.units import checked_jitter, checked_motion
+from supersampling.data.readers.units import checked_jitter, checked_light, checked_motion
 from supersampling.data.spec import SPLITS
 from supersampling.errors import UserError
 from supersampling.ops.display import radiance_to_display
@@ -45,6 +45,9 @@ def stored_depth(depth: Image, near: float, far: float) -> Image:
     return (1.0 - near * (1.0 - exact) / (near + exact * (far - near))).astype(np.float32)
 
 
+HIGH_MOTION = "motion_gt"
+
+
 class Arm(Layout):
     """The layout of the module's docstring.
 
@@ -55,6 +58,7 @@ class Arm(Layout):
     motion = Convention("-x-y")
     jitter = Convention("xy")
     buffers = frozenset({"color", "radiance", "depth", "motion", "jitter", "target", "target_radiance", "high_motion"})
+    optional: ClassVar = {HIGH_MOTION: frozenset({"high_motion"})}
 
     def notes(self) -> dict[str, str]:
         return {
@@ -66,7 +70,10 @@ class Arm(Layout):
     def clips(self) -> list[CaptureClip]:
         clips: list[CaptureClip] = []
         name = self.root.name.lower()
-        for folder, split in (("", name if name in SPLITS else "train"), *((s, s) for s in SPLITS)):
+        splits = (("", name if name in SPLITS else "train"), *((s, s) for s in SPLITS))
+        if not any(self.root.folders(folder, HIGH_MOTION) for folder, _ in splits):
+            self.absent = frozenset({HIGH_MOTION})
+        for folder, split in splits:
             base = self.root.inside(folder)
             for sequence in self.root.folders(folder, f"x{self.scale}", "color"):
                 if not (base / f"{sequence}.json").is_file():
@@ -78,6 +85,7 @@ class Arm(Layout):
                     clips += self._sequence(base, path, split)
         if not clips:
             raise UserError(f"{self.root.path} has no sequences named <number>.json: set path to their folder.")
+        self.leave_out(self.absent)
         return clips
 
     def _sequence(self, base: Path, path: Path, split: str) -> list[CaptureClip]:
@@ -91,7 +99,8 @@ class Arm(Layout):
             name: self.root.frames(base / f"x{self.scale}" / kind / path.stem, ".exr") for name, kind in names.items()
         }
         streams["target"] = self.root.frames(base / "ground_truth" / path.stem, ".exr")
-        streams["high_motion"] = self.root.frames(base / "motion_gt" / path.stem, ".exr")
+        if HIGH_MOTION not in self.absent:
+            streams["high_motion"] = self.root.frames(base / HIGH_MOTION / path.stem, ".exr")
         numbers = frame_numbers(streams)
         if len(numbers) != len(entries):
             raise UserError(
@@ -163,7 +172,8 @@ class ArmClip(CaptureClip):
             ("target", "target_radiance", "target", self.size),
         ):
             if names & {shown, light}:
-                radiance = np.maximum(read_exr(paths[source], size, ("RGB",)), 0.0) * np.float32(self._exposure(entry))
+                radiance = checked_light(read_exr(paths[source], size, ("RGB",)), paths[source])
+                radiance = radiance * np.float32(self._exposure(entry))
                 out |= {light: radiance, shown: radiance_to_display(torch.from_numpy(radiance)).numpy()}
         if "depth" in names:
             out["depth"] = self._depth(paths["depth"], entry)

@@ -1,9 +1,15 @@
-"""Check of a capture's jitter: the target, sampled at the jittered positions, has to resemble the inputs."""
+"""Check of a capture's jitter: the target, sampled at the jittered positions, has to resemble the inputs.
+
+The recorded jitter is compared with none, with the other signs and orders of axes, and with offsets on a grid: jitter
+that is 0, in another unit or of another frame fits none of the conventions.
+"""
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from supersampling.data.readers.conventions import Convention
 from supersampling.data.readers.motion_check import best_convention
@@ -14,6 +20,9 @@ from supersampling.ops.warp import sampling_grid
 
 CLEARLY = 0.97  # aliasing leaves a difference that the correct jitter cannot remove
 NONE = "none"
+STEPS = (-0.5, -0.25, 0.0, 0.25, 0.5)  # pixels
+ELSEWHERE = 0.8  # an offset of the grid has to leave less than this share of the difference
+DISTANCE = 0.2  # pixels between that offset and the recorded one, on average: the grid is no finer
 
 
 def mean_errors(pairs: Sequence[Pair], used: Convention) -> dict[str, float]:
@@ -21,15 +30,41 @@ def mean_errors(pairs: Sequence[Pair], used: Convention) -> dict[str, float]:
     `NONE`."""
     total = dict.fromkeys((NONE, *(c.name for c in used.variants())), 0.0)
     for pair in pairs:
-        color, target = pair.tensor("color"), pair.tensor("target")
-        height, width = color.shape[-2:]
         stored = used.encode(pair.clip.read(pair.t, frozenset({"jitter"}))["jitter"])
         offsets = {c.name: c.decode(stored) for c in used.variants()} | {NONE: np.zeros(2, np.float32)}
-        for name, offset in offsets.items():
-            shift = torch.from_numpy(offset / np.array((width, height), np.float32)).view(1, 2, 1, 1)
-            sampled = sample_bilinear(target, sampling_grid(shift.expand(1, 2, height, width)))
-            total[name] += float((sampled - color).abs().mean()) / len(pairs)
+        differences = _differences(pair, np.stack(list(offsets.values())))
+        for name, difference in zip(offsets, differences):
+            total[name] += difference / len(pairs)
     return total
+
+
+def _differences(pair: Pair, offsets: NDArray[np.float32]) -> list[float]:
+    """Return the mean absolute difference of the inputs and the target at the pixels' centres plus each of ``offsets``
+    ``(n, 2)`` in low-resolution pixels."""
+    color, target = pair.tensor("color"), pair.tensor("target")
+    height, width = color.shape[-2:]
+    shifts = torch.from_numpy(offsets / np.array((width, height), np.float32)).view(-1, 1, 2, 1, 1)
+    sampled = (sample_bilinear(target, sampling_grid(shift.expand(1, 2, height, width))) for shift in shifts)
+    return [float((image - color).abs().mean()) for image in sampled]
+
+
+def _check_elsewhere(label: str, pairs: Sequence[Pair], used: Convention) -> None:
+    """Raise `UserError` if other offsets fit clearly better than the recorded ones."""
+    grid = np.array(list(product(STEPS, STEPS)), dtype=np.float32)
+    total, least, distance, example = 0.0, 0.0, 0.0, ""
+    for pair in pairs:
+        recorded = pair.read("jitter")
+        error, *errors = _differences(pair, np.concatenate((recorded[None], grid)))
+        best = grid[int(np.argmin(errors))]
+        total, least = total + error, least + min(errors)
+        distance += float(np.abs(best - recorded).max()) / len(pairs)
+        example = f"about ({best[0]:g}, {best[1]:g}) rather than ({recorded[0]:.3g}, {recorded[1]:.3g}) in {pair.label}"
+    if least < ELSEWHERE * total and distance > DISTANCE:
+        raise UserError(
+            f"{label}: the inputs were sampled elsewhere than their jitter says ({example}; mean difference "
+            f"{least / len(pairs):.4g} rather than {total / len(pairs):.4g}): record the jitter of these frames, in "
+            f"low-resolution pixels from the pixel's centre, or import with jitter_convention={used.name}."
+        )
 
 
 def check_jitter(label: str, pairs: Sequence[Pair], used: Convention, overridden: bool) -> str:
@@ -55,4 +90,6 @@ def check_jitter(label: str, pairs: Sequence[Pair], used: Convention, overridden
             "import with "
             f"jitter_convention={used.name}."
         )
+    if not overridden:
+        _check_elsewhere(label, pairs, used)
     return f"{label}: {result}."
