@@ -93,14 +93,15 @@ def exr_size(path: Path) -> tuple[int, int]:
     return width, height
 
 
-def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str]) -> Image:
+def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str], infinite: bool = False) -> Image:
     """Return channels of an EXR image, ``(h, w, len(choice))``.
 
-    ``choices`` are sets of channel names such as ``("RG", "XY")``, of which the first in the file is read.
+    ``choices`` are sets of channel names such as ``("RG", "XY")``, of which the first in the file is read; ``infinite``
+    permits infinity, which some renderers write as the depth of the sky.
 
     Raises:
         UserError: the file is missing, truncated, not of ``size (width, height)``, or without the channels, or has NaN
-        or Inf.
+        or, unless permitted, Inf.
     """
     if exr_size(path) != size:
         _check_size(path, *exr_size(path), size)
@@ -116,7 +117,7 @@ def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str]) -> Image
             break
     else:
         raise UserError(f"{path} has the channels {', '.join(sorted(planes))}: export {' or '.join(choices)}.")
-    broken = int((~np.isfinite(image)).sum())
+    broken = int((np.isnan(image) if infinite else ~np.isfinite(image)).sum())
     if broken:
         raise UserError(f"{path} has {broken} values that are NaN or Inf: export this frame again.")
     return image

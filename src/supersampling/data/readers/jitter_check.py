@@ -12,7 +12,7 @@ import torch
 from numpy.typing import NDArray
 
 from supersampling.data.readers.conventions import Convention
-from supersampling.data.readers.motion_check import best_convention
+from supersampling.data.readers.motion_check import BEYOND_DOUBT, best_convention
 from supersampling.data.readers.pairs import Pair
 from supersampling.errors import UserError
 from supersampling.ops.interpolate import sample_bilinear
@@ -48,18 +48,19 @@ def _differences(pair: Pair, offsets: NDArray[np.float32]) -> list[float]:
     return [float((image - color).abs().mean()) for image in sampled]
 
 
-def _check_elsewhere(label: str, pairs: Sequence[Pair], used: Convention) -> None:
-    """Raise `UserError` if other offsets fit clearly better than the recorded ones."""
+def _check_elsewhere(label: str, pairs: Sequence[Pair], used: Convention, best: float) -> None:
+    """Raise `UserError` if other offsets fit clearly better than the recorded ones, and than the convention that fits
+    best, which leaves the mean difference ``best``."""
     grid = np.array(list(product(STEPS, STEPS)), dtype=np.float32)
     total, least, distance, example = 0.0, 0.0, 0.0, ""
     for pair in pairs:
         recorded = pair.read("jitter")
         error, *errors = _differences(pair, np.concatenate((recorded[None], grid)))
-        best = grid[int(np.argmin(errors))]
+        place = grid[int(np.argmin(errors))]
         total, least = total + error, least + min(errors)
-        distance += float(np.abs(best - recorded).max()) / len(pairs)
-        example = f"about ({best[0]:g}, {best[1]:g}) rather than ({recorded[0]:.3g}, {recorded[1]:.3g}) in {pair.label}"
-    if least < ELSEWHERE * total and distance > DISTANCE:
+        distance += float(np.abs(place - recorded).max()) / len(pairs)
+        example = f"about ({place[0]:g}, {place[1]:g}), not ({recorded[0]:.3g}, {recorded[1]:.3g}), in {pair.label}"
+    if least < ELSEWHERE * min(total, best * len(pairs)) and distance > DISTANCE:
         raise UserError(
             f"{label}: the inputs were sampled elsewhere than their jitter says ({example}; mean difference "
             f"{least / len(pairs):.4g} rather than {total / len(pairs):.4g}): record the jitter of these frames, in "
@@ -71,15 +72,17 @@ def check_jitter(label: str, pairs: Sequence[Pair], used: Convention, overridden
     """Return one line about the result; ``overridden`` means that the user set the convention ``used``.
 
     Raises:
-        UserError: a different convention fits clearly better, or no jitter does and the user did not set the
-        convention.
+        UserError: a different convention fits clearly better, or beyond doubt if the user set the convention; or no
+        jitter, or other offsets, do and the user did not set it.
     """
     if not pairs:
         return f"{label}: clips of one frame, so the jitter (read as {used.name}) was not checked."
     errors = mean_errors(pairs, used)
     error, best = errors[used.name], best_convention(errors, NONE)
     result = f"mean difference {error:.4g} with jitter read as {used.name}, {errors[NONE]:.4g} without jitter"
-    if errors[best] < CLEARLY * error and errors[best] < errors[NONE]:
+    if not overridden:
+        _check_elsewhere(label, pairs, used, min(errors.values()))
+    if errors[best] < (BEYOND_DOUBT if overridden else CLEARLY) * error and errors[best] < errors[NONE]:
         raise UserError(
             f"{label}: the jitter does not fit ({result}, {errors[best]:.4g} read as {best}): import with "
             f"jitter_convention={best}."
@@ -90,6 +93,6 @@ def check_jitter(label: str, pairs: Sequence[Pair], used: Convention, overridden
             "import with "
             f"jitter_convention={used.name}."
         )
-    if not overridden:
-        _check_elsewhere(label, pairs, used)
+    if errors[best] < CLEARLY * error and errors[best] < errors[NONE]:
+        result += f", {errors[best]:.4g} read as {best}, which fits better"
     return f"{label}: {result}."

@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
 import torch
 
 from supersampling.data.readers.conventions import CONVENTIONS, FACTORS, Convention
@@ -21,6 +22,7 @@ from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import outside, sampling_grid, warp
 
 CLEARLY = 0.9  # a better convention has to leave less than this share of the error
+BEYOND_DOUBT = 0.5  # the same if the user set the convention
 ENOUGH = 0.01  # share of moving pixels; with less motion, a capture counts as still
 SAMPLES = 100_000  # pixels per pair that are compared
 STILL = "still"
@@ -78,8 +80,9 @@ def check_motion(label: str, pairs: Sequence[Pair], used: Convention, overridden
         overridden: whether the user set it.
 
     Raises:
-        UserError: a different convention fits clearly better; or no motion fits as well, the motion is that of another
-        frame or the pictures move otherwise, and the user did not set the convention.
+        UserError: a different convention fits clearly better, or beyond doubt if the user set the convention; or no
+        motion fits as well, the motion is that of another frame or the pictures move otherwise, and the user did not
+        set it.
     """
     moving = [pair for pair in pairs[:SELECTED] if pair.moving >= ENOUGH]
     lines = [_check_convention(label, moving, used, overridden)] if moving else []
@@ -98,17 +101,24 @@ def _check_convention(label: str, moving: Sequence[Pair], used: Convention, over
             "image's width and height, and 0 where nothing moves."
         )
     result = f"mean difference {error:.4g} with motion read as {used.name}, {still:.4g} without motion"
-    if errors[best] < CLEARLY * error and errors[best] < still:
+    if errors[best] < (BEYOND_DOUBT if overridden else CLEARLY) * error and errors[best] < still:
         raise UserError(
             f"{label}: the motion does not fit ({result}, {errors[best]:.4g} read as {best}): import with "
-            f"convention={best}."
+            f"convention={best}{_empty_axis(moving)}."
         )
     if error >= still and not overridden:
         raise UserError(
             f"{label}: the motion does not fit ({result}, at best {errors[best]:.4g}, read as {best}): "
             f"{_advice(moving, used)}."
         )
+    if errors[best] < CLEARLY * error and errors[best] < still:
+        result += f", {errors[best]:.4g} read as {best}, which fits better"
     return f"{label}: {result}."
+
+
+def _empty_axis(pairs: Sequence[Pair]) -> str:
+    axis = zero_axis(pairs)
+    return f"; or, since the {axis} component of all motion is 0, record both components" if axis else ""
 
 
 def _check_frame(label: str, moving: Sequence[Pair]) -> None:
@@ -148,12 +158,14 @@ def _check_pictures(label: str, pairs: Sequence[Pair], used: Convention, overrid
     worst, pair = max(zip(results, pairs), key=lambda item: item[0].share)
     still = all(pair.moving < ENOUGH for pair in pairs)
     place = f"{mean:.0%} of the pictures ({worst.share:.0%} in {pair.label})"
-    text = f"{label}: {place} moves otherwise than recorded, by about {worst.pixels:.0f} pixels: {_cause(pairs, worst)}"
+    text = f"{label}: {place} move otherwise than recorded, by about {worst.pixels:.0f} pixels: {_cause(pairs, worst)}"
     if not overridden and (mean > (MISSING_STILL if still else MISSING) or worst.share > MISSING_ONCE):
         raise UserError(
             f"{text}; if only water, shadows or similar content moves differently, import with convention={used.name}."
         )
     lines = [f"{text}."] if mean > NOTED or worst.share > 5.0 * NOTED else []
+    if not still and all(np.ptp(pair.read("motion"), axis=(0, 1)).max() == 0.0 for pair in pairs):
+        lines.append(f"{label}: every pixel of a frame has the same motion, as if the picture were flat.")
     if still and not lines:
         lines = [
             f"{label}: almost no pixel moves, neither in the motion nor in the pictures, so the convention of motion "

@@ -147,7 +147,7 @@ class NsrdClip(CaptureClip):
     def stored_depth(self, t: int) -> tuple[Path, Image]:
         """Return the file and its depth as captured, ``(h, w, 1)``."""
         path = self._streams["depth"][self._numbers[t]]
-        return path, read_exr(path, self._low_size, ("R", "Y", "Z"))
+        return path, read_exr(path, self._low_size, ("R", "Y", "Z"), infinite=True)
 
     def read(self, t: int, names: frozenset[str]) -> dict[str, Image]:
         paths = {name: stream[self._numbers[t]] for name, stream in self._streams.items()}

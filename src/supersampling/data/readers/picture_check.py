@@ -58,7 +58,7 @@ def _check_ranges(label: str, pairs: Sequence[Pair], buffers: frozenset[str]) ->
                 f"{label}: {name} is {lowest:.4g} in every pixel of the {len(images)} frames that were looked at: the "
                 "recorder wrote nothing, export it again."
             )
-        ranges.append(f"{name} {lowest:.3g} to {highest:.3g}")
+        ranges.append(f"{name} {lowest + 0.0:.3g} to {highest + 0.0:.3g}")
     return f"{label}: as read, {', '.join(ranges)}."
 
 
@@ -78,7 +78,7 @@ def _check_inputs(label: str, pairs: Sequence[Pair], low_name: str) -> list[str]
         return []
     lines = []
     mean, (least, pair) = sum(value for value, _ in likeness) / len(likeness), min(likeness, key=lambda item: item[0])
-    if mean < 0.0:
+    if mean < -ALIKE:
         raise UserError(
             f"{label}: the inputs show the opposite of the targets (correlation {mean:.2f}): check that {low_name} and "
             "targets belong to the same frames, and that neither is inverted."
