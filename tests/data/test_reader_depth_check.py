@@ -1,31 +1,18 @@
 """The evidence for the direction of depth, on a world whose uncovered pixels are known."""
 
-from dataclasses import dataclass
-
-import numpy as np
 import pytest
-from capture_files import JITTER, SIZE, frame
+from rendered import Rendered
 
 from supersampling.data.readers.depth_check import check_depth, uncovered
 from supersampling.data.readers.pairs import Pair
 from supersampling.errors import UserError
 
 
-@dataclass
-class Rendered:
-    """A clip of the closed-form world, with any curve over its depth."""
-
-    curve: object
-    size: tuple[int, int] = SIZE
-
-    def read(self, t, names):
-        buffers = frame(t, 0, 2, JITTER[t % len(JITTER)], 1.0)
-        buffers["depth"] = self.curve(buffers["depth"])
-        return {name: buffers[name].astype(np.float32) for name in names}
-
-
 def pairs(curve):
-    return [Pair(Rendered(curve), t, 1.0) for t in range(1, 5)]
+    def change(buffers, t):
+        buffers["depth"] = curve(buffers["depth"])
+
+    return [Pair(Rendered(change), t, 1.0) for t in range(1, 5)]
 
 
 def hyperbolic(depth):

@@ -6,6 +6,7 @@ from omegaconf import DictConfig
 
 from supersampling.data.readers.importing import import_capture as read_capture
 from supersampling.errors import UserError
+from supersampling.settings import whole
 
 
 def import_capture(cfg: DictConfig) -> None:
@@ -18,14 +19,23 @@ def import_capture(cfg: DictConfig) -> None:
         raise UserError(
             f"layout={cfg.layout} path={cfg.path} is incomplete: set layout=qrisp, nsrd or arm and path=FOLDER."
         )
+    if not isinstance(cfg.path, str):
+        raise UserError(f"Invalid path={cfg.path}: use the name of a folder, with ./ before a name that is a number.")
+    if cfg.reversed_depth not in (None, True, False) or type(cfg.reversed_depth) is int:
+        raise UserError(f"Invalid reversed_depth={cfg.reversed_depth}: use true or false.")
     paths = read_capture(
         cfg.layout,
         Path(cfg.path),
         Path(cfg.paths.data),
-        scale=cfg.task.scale,
-        convention=cfg.convention,
-        jitter_convention=cfg.jitter_convention,
+        scale=whole(cfg, "task.scale"),
+        convention=_word(cfg.convention),
+        jitter_convention=_word(cfg.jitter_convention),
         reversed_depth=cfg.reversed_depth,
     )
     for path in paths:
         print(path)
+
+
+def _word(value: object) -> str | None:
+    """Return a convention as text; a number or a list is reported by the same sentence as an unknown word."""
+    return None if value is None else str(value)

@@ -1,29 +1,33 @@
 """Reader of Arm neural graphics captures (NSS data set specification 1.0.1): linear HDR images, one JSON per sequence.
 
-``<NNNN>.json``, ``ground_truth/<NNNN>/<frame>.exr``, ``motion_gt/...`` and
-``x<scale>/{color,depth,motion}/<NNNN>/<frame>.exr``, below the capture's folder or below ``train``, ``val`` and
-``test`` in it.
+``<NNNN>.json``, ``ground_truth/<NNNN>/<frame>.exr`` and ``x<scale>/{color,depth,motion}/<NNNN>/<frame>.exr``, below the
+capture's folder or below ``train``, ``val`` and ``test`` in it. ``motion_gt/<NNNN>/<frame>.exr`` is optional, for all
+sequences or none.
 """
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import torch
 
+from supersampling.data.readers.arm_sequence import ArmSequence, read_entries
 from supersampling.data.readers.conventions import Convention
 from supersampling.data.readers.exr import exr_size, read_exr, read_exr_colors
-from supersampling.data.readers.files import Frames, frame_numbers, number, read_json
+from supersampling.data.readers.files import Root, frame_numbers, number, read_json
 from supersampling.data.readers.images import Image
-from supersampling.data.readers.layout import CaptureClip, Layout
-from supersampling.data.readers.units import checked_jitter, checked_motion
+from supersampling.data.readers.layout import CaptureClip, Conventions, Layout
+from supersampling.data.readers.units import checked_jitter, checked_light, checked_motion
 from supersampling.data.spec import SPLITS
 from supersampling.errors import UserError
 from supersampling.ops.display import radiance_to_display
 
 INFINITE_FAR = 5000.0
 """The distance that replaces an infinite far plane, as in Arm's reader; the depth of points beyond it is 1."""
+
+FARTHEST = 1e9
+"""Larger planes and exposures, and their inverses, are mistakes; 32-bit floats could not carry the result."""
 
 
 def linear_depth(stored: Image, near: float, far: float, reversed_z: bool) -> Image:
@@ -46,6 +50,9 @@ def stored_depth(depth: Image, near: float, far: float) -> Image:
     return (1.0 - near * (1.0 - exact) / (near + exact * (far - near))).astype(np.float32)
 
 
+HIGH_MOTION = "motion_gt"
+
+
 class Arm(Layout):
     """The layout of the module's docstring.
 
@@ -56,6 +63,11 @@ class Arm(Layout):
     motion = Convention("-x-y")
     jitter = Convention("xy")
     buffers = frozenset({"color", "radiance", "depth", "motion", "jitter", "target", "target_radiance", "high_motion"})
+    optional: ClassVar = {HIGH_MOTION: frozenset({"high_motion"})}
+
+    def __init__(self, root: Root, scale: int, conventions: Conventions) -> None:
+        super().__init__(root, scale, conventions)
+        self._clips: list[ArmClip] = []
 
     def notes(self) -> dict[str, str]:
         return {
@@ -64,10 +76,21 @@ class Arm(Layout):
             "far_plane": f"infinite ones count as {INFINITE_FAR:g}",
         }
 
+    def summary(self) -> list[str]:
+        """Return a line with the planes and exposures that the JSON files state, which nothing else confirms."""
+        stated = [values for clip in self._clips for values in clip.stated()]
+        texts = []
+        for name, values in zip(("near plane", "far plane", "exposure"), zip(*stated)):
+            texts.append(f"{name} {' to '.join(f'{value:g}' for value in sorted({min(values), max(values)}))}")
+        return [f"{self.root.name}: the JSON files state {', '.join(texts)}."]
+
     def clips(self) -> list[CaptureClip]:
-        clips: list[CaptureClip] = []
+        clips: list[ArmClip] = []
         name = self.root.name.lower()
-        for folder, split in (("", name if name in SPLITS else "train"), *((s, s) for s in SPLITS)):
+        splits = (("", name if name in SPLITS else "train"), *((s, s) for s in SPLITS))
+        if not any(self.root.folders(folder, HIGH_MOTION) for folder, _ in splits):
+            self.absent = frozenset({HIGH_MOTION})
+        for folder, split in splits:
             base = self.root.inside(folder)
             for sequence in self.root.folders(folder, f"x{self.scale}", "color"):
                 if not (base / f"{sequence}.json").is_file():
@@ -79,20 +102,20 @@ class Arm(Layout):
                     clips += self._sequence(base, path, split)
         if not clips:
             raise UserError(f"{self.root.path} has no sequences named <number>.json: set path to their folder.")
-        return clips
+        self.leave_out(self.absent)
+        self._clips = clips
+        return list(clips)
 
-    def _sequence(self, base: Path, path: Path, split: str) -> list[CaptureClip]:
+    def _sequence(self, base: Path, path: Path, split: str) -> list["ArmClip"]:
         meta = read_json(self.root.inside(path))
-        entries = meta.get("Frames") if isinstance(meta, dict) else None
-        entries = entries if isinstance(entries, list) and all(isinstance(e, dict) for e in entries) else None
-        if entries is None or not isinstance(meta.get("ReverseZ"), bool):
-            raise UserError(f"{path} has no list Frames or no boolean ReverseZ: write both as in the specification.")
+        entries = read_entries(meta, path)
         names = {"color": "color", "depth": "depth", "motion": "motion"}
         streams = {
             name: self.root.frames(base / f"x{self.scale}" / kind / path.stem, ".exr") for name, kind in names.items()
         }
         streams["target"] = self.root.frames(base / "ground_truth" / path.stem, ".exr")
-        streams["high_motion"] = self.root.frames(base / "motion_gt" / path.stem, ".exr")
+        if HIGH_MOTION not in self.absent:
+            streams["high_motion"] = self.root.frames(base / HIGH_MOTION / path.stem, ".exr")
         numbers = frame_numbers(streams)
         if len(numbers) != len(entries):
             raise UserError(
@@ -104,26 +127,6 @@ class Arm(Layout):
             ArmClip(self, split, sequence, numbers[start:stop], entries[start:stop])
             for start, stop in zip([0, *cuts], [*cuts, len(numbers)])
         ]
-
-
-class ArmSequence:
-    """The common parts of a sequence's clips: its JSON and its files."""
-
-    def __init__(self, path: Path, meta: dict[str, Any], streams: dict[str, Frames]) -> None:
-        self.path, self.streams = path, streams
-        self.reversed_z: bool = meta["ReverseZ"]
-        self._indices = meta.get("UpscalingRatiosIndices")
-
-    def read_jitter(self, entry: dict[str, Any], scale: int) -> Image:
-        """Return the frame's normalised jitter ``(2,)`` at a scale, as stored."""
-        ratios = entry.get("NormalizedPerRatioJitter")
-        index = self._indices.get(f"x{scale}_index") if isinstance(self._indices, dict) else 0
-        if not isinstance(ratios, list) or type(index) is not int or not 0 <= index < len(ratios):
-            raise UserError(
-                f"{self.path} has no NormalizedPerRatioJitter for x{scale}: restore it, inputs without jitter cannot "
-                "be used."
-            )
-        return np.array([number(ratios[index], axis, self.path) for axis in "XY"], dtype=np.float32)
 
 
 class ArmClip(CaptureClip):
@@ -164,7 +167,8 @@ class ArmClip(CaptureClip):
             ("target", "target_radiance", "target", self.size),
         ):
             if names & {shown, light}:
-                radiance = np.maximum(read_exr_colors(paths[source], size), 0.0) * np.float32(self._exposure(entry))
+                radiance = checked_light(read_exr_colors(paths[source], size), paths[source])
+                radiance = radiance * np.float32(self._exposure(entry))
                 out |= {light: radiance, shown: radiance_to_display(torch.from_numpy(radiance)).numpy()}
         if "depth" in names:
             out["depth"] = self._depth(paths["depth"], entry)
@@ -177,19 +181,29 @@ class ArmClip(CaptureClip):
             out["jitter"] = checked_jitter(self._conventions.jitter.decode(stored), self._sequence.path)
         return {name: image for name, image in out.items() if name in names}
 
+    def stated(self) -> list[tuple[float, float, float]]:
+        """Return the near plane, the far plane and the exposure of each frame; errors as in `read`."""
+        return [(*self._planes(entry), self._exposure(entry)) for entry in self._entries]
+
     def _exposure(self, entry: dict[str, Any]) -> float:
         exposure = number(entry, "Exposure", self._sequence.path) if "Exposure" in entry else 1.0
-        if exposure <= 0.0:
-            raise UserError(f"Invalid Exposure={exposure:g} in {self._sequence.path}: use a positive number.")
+        if not 1.0 / FARTHEST <= exposure <= FARTHEST:
+            raise UserError(
+                f"Invalid Exposure={exposure:g} in {self._sequence.path}: use a positive number, at most {FARTHEST:g}."
+            )
         return exposure
 
-    def _depth(self, path: Path, entry: dict[str, Any]) -> Image:
+    def _planes(self, entry: dict[str, Any]) -> tuple[float, float]:
         near, far = (number(entry, key, self._sequence.path) for key in ("CameraNearPlane", "CameraFarPlane"))
-        if near <= 0.0 or (far != -1.0 and far <= near):
+        if near < 1.0 / FARTHEST or not (far == -1.0 or near < far <= FARTHEST):
             raise UserError(
                 f"Invalid CameraNearPlane={near:g} and CameraFarPlane={far:g} in {self._sequence.path}: use "
                 "0 < near < far, or -1 for an infinite far plane."
             )
+        return near, far
+
+    def _depth(self, path: Path, entry: dict[str, Any]) -> Image:
+        near, far = self._planes(entry)
         stored = read_exr(path, self._low_size, ("R", "Y", "Z"))
         if stored.min() < 0.0 or stored.max() > 1.0:
             raise UserError(

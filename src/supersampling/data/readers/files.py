@@ -1,7 +1,7 @@
 """The files of a capture, checked: no path leaves the folder, no frame is missing, and JSON is valid."""
 
 import json
-import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +10,8 @@ from typing import Any
 from supersampling.errors import UserError
 
 MAX_JSON = 64 << 20  # bytes
+LARGEST = sys.float_info.max
+FOREIGN = ("__MACOSX", "@eaDir")  # folders that archives and network storage add, beside hidden ones
 
 
 class Root:
@@ -35,30 +37,45 @@ class Root:
             UserError: the path leaves the folder, through ``..`` or a symbolic link.
         """
         path = self.path.joinpath(*parts)
-        real = path.resolve()
+        try:
+            real = path.resolve()
+        # A symbolic link that leads back to itself.
+        except (OSError, RuntimeError) as error:
+            raise UserError(f"{path} cannot be followed ({error}): copy the file into the folder.") from error
         if not real.is_relative_to(self.path):
             raise UserError(f"{path} leads out of the capture folder to {real}: copy the file into the folder.")
         return path
 
     def folders(self, *parts: str) -> list[str]:
         """Return the sorted names of the folders in a folder; none if it does not exist."""
-        folder = self.inside(*parts)
-        if not folder.is_dir():
+        entries = self._entries(self.inside(*parts))
+        names = (entry.name for entry in entries if entry.is_dir())
+        return [name for name in names if not name.startswith(".") and name not in FOREIGN]
+
+    @staticmethod
+    def _entries(folder: Path) -> list[Path]:
+        """Return the sorted content of a folder; nothing if it does not exist."""
+        try:
+            return sorted(folder.iterdir())
+        except (FileNotFoundError, NotADirectoryError):
             return []
-        return sorted(entry.name for entry in folder.iterdir() if entry.is_dir())
+        except OSError as error:
+            raise UserError(f"{folder} cannot be listed ({error.strerror}): correct its permissions.") from error
 
     def frames(self, folder: Path, suffix: str) -> "Frames":
-        """Return the files ``<number><suffix>`` of a folder by their number, with any padding by zeros.
+        """Return the files ``<number><suffix>`` of a folder by their number, with any padding by zeros and any case.
 
         Raises:
             UserError: the folder is missing or has no such file, or two files have the same number.
         """
         folder = self.inside(folder)
         files: dict[int, Path] = {}
-        for file in sorted(folder.iterdir()) if folder.is_dir() else []:
-            if file.suffix == suffix and file.stem.isascii() and file.stem.isdigit():
+        for file in self._entries(folder):
+            if file.suffix.lower() == suffix and file.stem.isascii() and file.stem.isdigit():
                 if int(file.stem) in files:
-                    raise UserError(f"{file} and {files[int(file.stem)].name} are the same frame: remove one of them.")
+                    raise UserError(
+                        f"{file} and {files[int(file.stem)].name} are the same frame: move one of them elsewhere."
+                    )
                 files[int(file.stem)] = self.inside(file)
         if not files:
             raise UserError(f"{folder} has no frames named <number>{suffix}: unpack this part of the capture as well.")
@@ -103,11 +120,22 @@ def read_json(path: Path) -> Any:
     try:
         if path.stat().st_size > MAX_JSON:
             raise UserError(f"{path} has more than {MAX_JSON} bytes, too many for a capture's JSON: check its origin.")
-        return json.loads(path.read_text(encoding="utf-8-sig"))
+        return json.loads(path.read_text(encoding="utf-8-sig"), object_pairs_hook=_unique)
     except FileNotFoundError as error:
         raise UserError(f"{path} is missing: restore it.") from error
+    except OSError as error:
+        raise UserError(f"{path} cannot be read ({error.strerror}): correct the path or its permissions.") from error
     except (ValueError, RecursionError) as error:
         raise UserError(f"{path} is not valid JSON ({error}): restore it.") from error
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return a JSON object; raise `ValueError` if it states a key twice, since either value may be meant."""
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        keys = [key for key, _ in pairs]
+        raise ValueError(f"the key {next(key for key in keys if keys.count(key) > 1)} occurs twice in an object")
+    return content
 
 
 def number(mapping: Any, key: str, path: Path) -> float:
@@ -117,6 +145,7 @@ def number(mapping: Any, key: str, path: Path) -> float:
         UserError: the value is missing or not a finite number; the message names the file and the key.
     """
     value = mapping.get(key) if isinstance(mapping, dict) else None
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise UserError(f"Invalid {key} in {path} ({value!r}): write a finite number.")
+    # Python reads integers of any size.
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not -LARGEST <= value <= LARGEST:
+        raise UserError(f"Invalid {key} in {path} ({str(value)[:40]!r}): write a finite number.")
     return float(value)

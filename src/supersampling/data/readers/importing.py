@@ -2,12 +2,14 @@
 
 import hashlib
 import json
+import sys
 import time
 from collections.abc import Callable, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from tqdm import tqdm
 
 from supersampling import __version__
@@ -18,9 +20,10 @@ from supersampling.data.readers.depth_check import check_depth
 from supersampling.data.readers.files import Root
 from supersampling.data.readers.jitter_check import check_jitter
 from supersampling.data.readers.layout import CaptureClip, Conventions, Layout
-from supersampling.data.readers.motion_check import check_motion
+from supersampling.data.readers.motion_check import ENOUGH, check_motion
 from supersampling.data.readers.nsrd import Nsrd
-from supersampling.data.readers.pairs import select_pairs
+from supersampling.data.readers.pairs import MOVING, SELECTED, extremes, select_pairs
+from supersampling.data.readers.picture_check import check_pictures
 from supersampling.data.readers.qrisp import Qrisp
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.writer import ClipWriter
@@ -29,7 +32,7 @@ from supersampling.errors import UserError
 LAYOUTS: dict[str, type[Layout]] = {"qrisp": Qrisp, "nsrd": Nsrd, "arm": Arm}
 RECORDED = "recorded"
 _POLL = 0.2  # seconds
-READER_VERSION = 1
+READER_VERSION = 2
 """Increase it when the readers produce different content from the same capture."""
 
 
@@ -119,7 +122,7 @@ class ImportedFile:
             camera=RECORDED,
             origin=f"{name}:{layout.root.name}:{_digest(layout, clips)}",
         )
-        self._file = ClipwiseFile(self.spec, folder, layout.buffers)
+        self._file = ClipwiseFile(self.spec, folder, layout.recorded)
         self.path = self._file.path
 
     def work(self, overrides: Overrides) -> None:
@@ -141,16 +144,33 @@ class ImportedFile:
 
     def _check(self, overrides: Overrides) -> None:
         conventions, pairs = self._layout.conventions, select_pairs(self._clips)
+        for line in self._layout.summary():
+            print(line)
+        print(check_pictures(self._label, extremes(pairs), self._layout.recorded, overrides.depth))
         print(check_motion(self._label, pairs, conventions.motion, overrides.motion))
         if "color" in self._layout.buffers:
-            print(check_jitter(self._label, pairs, conventions.jitter, overrides.jitter))
-        print(check_depth(self._label, pairs, overrides.depth))
+            print(check_jitter(self._label, pairs[:SELECTED], conventions.jitter, overrides.jitter))
+        print(check_depth(self._label, pairs[:SELECTED], overrides.depth))
 
     def _read(self, clip: int, writer: ClipWriter, names: frozenset[str], step: Callable[[], object]) -> None:
+        source, repeated, previous = self._clips[clip], list[int](), None
         for t in range(self.spec.frames):
-            for name, image in sorted(self._clips[clip].read(t, names).items()):
+            frame = source.read(t, names)
+            for name, image in sorted(frame.items()):
                 writer.add(name, image)
+            target = frame.get("target")
+            if previous is not None and target is not None and np.array_equal(previous, target):
+                size = np.array(source.size, dtype=np.float32)
+                motion = np.linalg.norm(source.read(t, frozenset({"motion"}))["motion"] * size, axis=-1)
+                repeated += [t] if (motion >= MOVING).mean() >= ENOUGH else []
+            previous = target
             step()
+        if repeated:
+            tqdm.write(
+                f"{self._label}: the target of frame {', '.join(map(str, repeated))} of {source.label} equals the one "
+                "before, though its motion is not 0: the recorder may have dropped frames.",
+                file=sys.stdout,
+            )
 
     def _attributes(self) -> dict[str, str]:
         conventions = self._layout.conventions

@@ -56,9 +56,28 @@ class Layout(ABC):
     jitter: ClassVar[Convention]
     buffers: ClassVar[frozenset[str]]
     """All buffers of its clips."""
+    optional: ClassVar[dict[str, frozenset[str]]] = {}
+    """Buffers that a capture may lack altogether, by the folder or file that holds them."""
 
     def __init__(self, root: Root, scale: int, conventions: Conventions) -> None:
         self.root, self.scale, self.conventions = root, scale, conventions
+        self.absent: frozenset[str] = frozenset()
+        """The keys of `optional` that this capture lacks."""
+
+    @property
+    def recorded(self) -> frozenset[str]:
+        """Return the buffers of this capture's clips; call it after `clips`."""
+        return self.buffers.difference(*(self.optional[name] for name in self.absent))
+
+    def leave_out(self, absent: Iterable[str]) -> None:
+        """Note the keys of `optional` that no clip has, and print a line for each."""
+        self.absent = frozenset(absent)
+        for name in sorted(self.absent):
+            print(f"{self.root.path} has no {name}: imported without {', '.join(sorted(self.optional[name]))}.")
+
+    def summary(self) -> list[str]:
+        """Return lines on how values are read; call it after `clips`."""
+        return []
 
     @abstractmethod
     def clips(self) -> list[CaptureClip]:

@@ -11,7 +11,7 @@ from supersampling.data.readers.images import Image
 from supersampling.data.readers.layout import CaptureClip
 
 CANDIDATES = 24  # pairs whose motion is read
-SELECTED = 6  # pairs for the checks: those that move most
+SELECTED = 6  # pairs for the checks: those that move most, or least
 MOVING = 0.5  # target pixels per frame
 
 
@@ -24,6 +24,10 @@ class Pair:
     t: int
     moving: float
 
+    @property
+    def label(self) -> str:
+        return f"{self.clip.label}, frame {self.t}"
+
     def read(self, name: str, before: bool = False) -> Image:
         return self.clip.read(self.t - before, frozenset({name}))[name]
 
@@ -33,7 +37,7 @@ class Pair:
 
 
 def select_pairs(clips: Sequence[CaptureClip]) -> list[Pair]:
-    """Return up to `SELECTED` pairs: those with the most motion of `CANDIDATES`, spread evenly over all clips."""
+    """Return up to `CANDIDATES` pairs, spread evenly over all clips, those with the most motion first."""
     frames = [(clip, t) for clip in clips for t in range(1, clip.frames)]
     spread = sorted({round(k) for k in np.linspace(0, len(frames) - 1, CANDIDATES)}) if frames else []
     pairs = []
@@ -42,4 +46,9 @@ def select_pairs(clips: Sequence[CaptureClip]) -> list[Pair]:
         motion = clip.read(t, frozenset({"motion"}))["motion"]
         length = np.linalg.norm(motion * np.array(clip.size, dtype=np.float32), axis=-1)
         pairs.append(Pair(clip, t, float((length >= MOVING).mean())))
-    return sorted(pairs, key=lambda pair: -pair.moving)[:SELECTED]
+    return sorted(pairs, key=lambda pair: -pair.moving)
+
+
+def extremes(pairs: Sequence[Pair]) -> list[Pair]:
+    """Return the `SELECTED` pairs that move most, and as many of those that move least."""
+    return [*pairs[:SELECTED], *pairs[SELECTED:][-SELECTED:]]
