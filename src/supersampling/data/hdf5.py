@@ -65,9 +65,8 @@ def explain(path: Path, error: Exception, part: str) -> UserError:
     condition = describe_system_error(OSError(code, os.strerror(code)), path) if code else None
     if condition is not None:
         return condition
-    reason = _damage(path, error)
-    place = f" in {part}" if part and "damaged" in reason else ""
-    return DamagedFile(f"{path} {reason}{place}: {RESTORE}.", f"{path} {reason}{place}")
+    reason = f"{path} {_damage(path, error, part)}"
+    return DamagedFile(f"{reason}: {RESTORE}.", reason)
 
 
 def errno_of(error: BaseException) -> int | None:
@@ -108,7 +107,7 @@ def _is_locked(path: Path) -> bool:
     return False
 
 
-def _damage(path: Path, error: Exception) -> str:
+def _damage(path: Path, error: Exception, part: str) -> str:
     """Return what is broken in the content of a file, to follow the file's name."""
     size = path.stat().st_size
     with path.open("rb") as file:
@@ -120,6 +119,8 @@ def _damage(path: Path, error: Exception) -> str:
         return f"is truncated (it has {match[1]} of {match[2]} bytes)"
     if "signature not found" in str(error) and head != _SIGNATURE:
         return f"is not an HDF5 file (it begins with {head!r})"
+    if part:
+        return f"is damaged in {part} ({_first_line(error)})"
     return f"is an HDF5 file that is truncated or damaged ({_first_line(error)})"
 
 

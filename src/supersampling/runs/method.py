@@ -8,9 +8,11 @@ from typing import Any
 from hydra.utils import instantiate
 from mlflow.exceptions import MlflowException
 from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError
 
 from supersampling.config import choices, key_of, typed_overrides
-from supersampling.errors import UserError
+from supersampling.errors import UserError, describe_system_error
 from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.checkpoint import build, load_weights, read_metadata
@@ -79,14 +81,15 @@ def _method_of_run(experiment: Experiment, cfg: DictConfig) -> LoadedMethod:
     """Return the method of a finished run, with its weights or its tuned constants."""
     try:
         run = experiment.client.get_run(cfg.run)
-        logged: Any = OmegaConf.to_container(OmegaConf.load(experiment.artifact(cfg.run, CONFIGURATION)))
+        path = experiment.artifact(cfg.run, CONFIGURATION)
     except (MlflowException, OSError) as error:
         raise UserError(
             f"There is no run {cfg.run} with a result at {experiment.tracking_uri}: see the ids in the MLflow UI."
         ) from error
+    logged: Any = OmegaConf.to_container(read_configuration(path))
     model = _matching_model(cfg, logged["model"], logged["task"], f"Run {cfg.run}", **tuned_constants(run))
     if is_learned(model):
-        load_weights(model, experiment.artifact(cfg.run, CHECKPOINT))
+        load_weights_of_run(model, experiment, cfg.run)
     run_tags = run.data.tags
     origin = {
         "run": str(cfg.run),
@@ -94,6 +97,40 @@ def _method_of_run(experiment: Experiment, cfg: DictConfig) -> LoadedMethod:
         "version": run_tags.get(tags.VERSION, ""),
     }
     return LoadedMethod(model, run_tags.get(tags.METHOD, ""), described(logged["model"]), dict(run.data.params), origin)
+
+
+def read_configuration(path: Path) -> DictConfig:
+    """Return the configuration that a run logged.
+
+    Raises:
+        UserError: the file is damaged, or is no configuration of a method.
+    """
+    try:
+        cfg: Any = OmegaConf.load(path)
+        complete = isinstance(cfg, DictConfig) and all(OmegaConf.select(cfg, key) for key in ("model", "task.scale"))
+    except (YAMLError, OmegaConfBaseException, ValueError, OSError) as error:
+        if isinstance(error, OSError) and (condition := describe_system_error(error, path)):
+            raise condition from error
+        complete = False
+    if not complete:
+        raise UserError(f"{path} is truncated or no configuration of a method: restore it, or name a run of train.py.")
+    return cfg
+
+
+def load_weights_of_run(model: Upsampler, experiment: Experiment, run_id: str) -> None:
+    """Load the weights that a run logged.
+
+    Raises:
+        UserError: there are none, they are damaged, or they are another model's.
+    """
+    try:
+        path = experiment.artifact(run_id, CHECKPOINT)
+    except (MlflowException, OSError) as error:
+        raise UserError(
+            f"Run {run_id} has no weights (its artifact {CHECKPOINT} is missing): name a run that has finished, or "
+            "train again with fresh=true."
+        ) from error
+    load_weights(model, path)
 
 
 def _matching_model(

@@ -15,8 +15,10 @@ from supersampling.errors import UserError
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
 from supersampling.runs.checkpoint import Carry, metadata
+from supersampling.runs.checkpoint_file import WholeCheckpoints
 from supersampling.runs.experiment import Experiment
 from supersampling.training.module import Training, checkpoints
+from supersampling.training.resume import resume_checkpoint
 from supersampling.training.tune import tune
 
 
@@ -47,8 +49,9 @@ def fit(
         enable_model_summary=False,
         callbacks=[timer, Carry(metadata(cfg, run.tags, run.params, run_id)), checkpoints(folder)],
     )
+    trainer.strategy.checkpoint_io = WholeCheckpoints()
     loaders = make_loaders(cfg, files, model, loss)
-    trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
+    trainer.fit(module, loaders, ckpt_path=resume_checkpoint(last, module), weights_only=True)
     experiment.restart(run_id, None)  # Lightning's logger has ended the run, which is still to be scored
     experiment.log_metrics(run_id, {"train/minutes": timer.time_elapsed("train") / 60.0})
     experiment.client.log_artifact(run_id, str(last), "checkpoint")

@@ -20,10 +20,9 @@ from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 from supersampling.models.count import size_of
 from supersampling.runs import tags
-from supersampling.runs.checkpoint import load_weights
 from supersampling.runs.experiment import FINISHED, PARENT_VARIABLE, Experiment
 from supersampling.runs.identity import SCHEME, Identity, flat_parameters, identity
-from supersampling.runs.method import CHECKPOINT, CONFIGURATION
+from supersampling.runs.method import CONFIGURATION, load_weights_of_run
 from supersampling.runs.naming import is_learned, method_name
 from supersampling.runs.options import described
 from supersampling.runs.scores import TUNED, has_metrics, log_result, tuned_constants
@@ -166,5 +165,5 @@ class Job:
         """Return the method of a finished run, with its weights or its tuned constants."""
         model: Upsampler = instantiate(self.cfg.model, **tuned_constants(run))
         if self.learned:
-            load_weights(model, self.experiment.artifact(run.info.run_id, CHECKPOINT))
+            load_weights_of_run(model, self.experiment, run.info.run_id)
         return model
