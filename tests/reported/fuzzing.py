@@ -37,6 +37,14 @@ def mutate(content: bytes, rng: np.random.Generator) -> bytes:
     return bytes(data)
 
 
+def is_sentence(error: Exception) -> bool:
+    """Fail unless a message is one line that says what to do."""
+    message = str(error)
+    assert ": " in message, message
+    assert "\n" not in message, message
+    return True
+
+
 def attempt(seed: int, path: Path, kept: Path, check: Callable[[], None]) -> None:
     """Run a check; an error gets a note with the seed and the place to which the input is copied."""
     try:

@@ -15,6 +15,7 @@ import torch
 from capture_files import make_source
 
 from supersampling.data.clips import WholeClips
+from supersampling.data.content import read_text, write_text
 from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.handles import MOST
 from supersampling.errors import UserError
@@ -38,6 +39,17 @@ def one_sentence(answer) -> str:
     assert "Traceback" not in answer.text
     assert not any(word in answer.last_line for word in DESTRUCTIVE), answer.last_line
     return answer.last_line
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    return f"sqlite:///{tmp_path_factory.mktemp('store')}/mlflow.db"
+
+
+@pytest.fixture(autouse=True)
+def _one_store(store, monkeypatch):
+    """Use one database for all commands here, because creating one takes seconds."""
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
 
 
 @pytest.fixture
@@ -80,13 +92,12 @@ def test_too_many_open_files(path):
     try:
         resource.setrlimit(resource.RLIMIT_NOFILE, (min(before[0], 256), before[1]))
         with pytest.raises(OSError, match="Too many open files"):
-            while True:
-                blockers.append(open("/dev/null"))  # noqa: SIM115
+            blockers.extend(os.open("/dev/null", os.O_RDONLY) for _ in range(256))
         with pytest.raises(UserError, match=r"copy\.h5 cannot be opened .* raise the limit of 256 with ulimit -n"):
             DatasetFile(path)
     finally:
         for file in blockers:
-            file.close()
+            os.close(file)
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
@@ -142,7 +153,7 @@ def foreign(path):
 def edit_spec(change):
     def edit(path):
         with h5py.File(path, "r+") as file:
-            file.attrs["spec"] = change(file.attrs["spec"])
+            write_text(file, "spec", change(read_text(file, "spec")))
 
     return edit
 

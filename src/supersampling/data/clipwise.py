@@ -6,6 +6,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
+from supersampling.data.content import read_text
 from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.hdf5 import MissingFile, open_hdf5, reading
 from supersampling.data.spec import CaptureSpec
@@ -78,7 +79,7 @@ class ClipwiseFile:
         for path in sorted(self.parts.glob("*.h5")):
             if buffers_in(path):
                 with open_hdf5(path) as part, reading(path, "its attributes"):
-                    return str(part.attrs[attribute]) if attribute in part.attrs else None
+                    return read_text(part, attribute) if attribute in part.attrs else None
         return None
 
     def work(self, write: WriteClip, attributes: Mapping[str, str]) -> None:
@@ -135,7 +136,7 @@ class ClipwiseFile:
             if missing:
                 parts = [self._part(k) for k in range(self.spec.clips)]
                 with open_hdf5(parts[0]) as first, reading(parts[0], "its attributes"):
-                    notes = {str(key): str(value) for key, value in first.attrs.items()}
+                    notes = {str(key): read_text(first, key) for key in first.attrs}
                 join_clips(self.path, self.spec, parts, missing, notes | dict(attributes))
         if self.parts.exists():
             shutil.rmtree(self.parts, ignore_errors=True)

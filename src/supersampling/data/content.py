@@ -40,6 +40,20 @@ def buffer_shape(name: str, spec: CaptureSpec) -> tuple[int, ...]:
     return spec.clips, frames, height, width, buffer.channels
 
 
+def write_text(item: h5py.HLObject, key: str, text: str) -> None:
+    """Set an attribute of fixed length: HDF5 has no checksum for texts of variable length, and damage to one can make
+    it loop without end.
+    """
+    content = text.encode()
+    item.attrs.create(key, content, dtype=h5py.string_dtype("utf-8", max(1, len(content))))
+
+
+def read_text(item: h5py.HLObject, key: str) -> str:
+    """Return an attribute as text; earlier versions wrote texts of variable length."""
+    value = item.attrs[key]
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
 def digest_of_attributes(attributes: Mapping[str, str], digests: Mapping[str, str]) -> str:
     """Return a digest of these attributes and of the buffers' digests, and the names of the attributes.
 
@@ -57,9 +71,9 @@ def read_content(path: Path, file: h5py.File) -> Content:
         UserError: it is not a data set of this schema, or a buffer has another shape or type than its specification.
     """
     with reading(path, "its attributes"):
-        attributes = {str(key): str(value) for key, value in file.attrs.items()}
+        attributes = {str(key): read_text(file, key) for key in file.attrs}
         buffers = {str(name): file[name] for name in file}
-        digests = {name: str(item.attrs[DIGEST]) for name, item in buffers.items() if DIGEST in item.attrs}
+        digests = {name: read_text(item, DIGEST) for name, item in buffers.items() if DIGEST in item.attrs}
     spec = _read_spec(path, attributes, buffers)
     for name, item in buffers.items():
         _check_buffer(path, item, name, spec)

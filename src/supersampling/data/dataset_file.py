@@ -120,6 +120,8 @@ class DatasetFile:
         Raises:
             UserError: it cannot be read; the message names buffer, clip and frame.
         """
+        if name not in self.buffers:
+            raise UserError(f"{self.path} has no {name}: render or import it with buffers=[{name}].")
         if name in self._loaded:
             return self._loaded[name][clip][part]
         file = self._open()

@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from supersampling.data.content import DIGEST, digest_of_attributes
+from supersampling.data.content import DIGEST, digest_of_attributes, read_text, write_text
 from supersampling.data.dataset_file import describe
 from supersampling.data.hdf5 import MissingFile, errno_of, open_hdf5, reading
 from supersampling.data.spec import CaptureSpec
@@ -94,13 +94,13 @@ class ClipWriter:
     def note(self, **attributes: str) -> None:
         """Set attributes of the whole clip."""
         for key, value in attributes.items():
-            self._file.attrs[key] = value
+            write_text(self._file, key, value)
 
     def close(self) -> None:
         assert self._next == self._lengths, (self._next, self._lengths)
         with _writing(self._path):
             for name, digest in self._hashes.items():
-                self._file[name].attrs[DIGEST] = digest.hexdigest()
+                write_text(self._file[name], DIGEST, digest.hexdigest())
             self._file.close()
             replace_file(self._temporary, self._path)
 
@@ -159,15 +159,13 @@ def join_clips(
                 with open_hdf5(path) as old, reading(path, "a buffer"):
                     for name in sorted(old.keys()):
                         old.copy(old[name], file, name)
+                        write_text(file[name], DIGEST, read_text(old[name], DIGEST))
             for name in sorted(names - frozenset(file.keys())):
                 _join(file, name, parts)
-            file.attrs["spec"] = spec.to_json()
-            file.attrs["conventions"] = describe(sorted(file.keys()))
-            for key, value in sorted(attributes.items()):
-                file.attrs[key] = value
-            texts = {str(key): str(value) for key, value in file.attrs.items()}
-            digests = {name: str(file[name].attrs[DIGEST]) for name in file}
-            file.attrs[DIGEST] = digest_of_attributes(texts, digests)
+            texts = {"spec": spec.to_json(), "conventions": describe(sorted(file.keys())), **attributes}
+            digests = {name: read_text(file[name], DIGEST) for name in file}
+            for key, value in sorted({**texts, DIGEST: digest_of_attributes(texts, digests)}.items()):
+                write_text(file, key, value)
         with _writing(path):
             replace_file(temporary, path)
     finally:
@@ -191,9 +189,9 @@ def _join(file: h5py.File, name: str, parts: Sequence[Path]) -> None:
                 stacked[clip] = data[()]
             else:
                 _copy_chunks(data, stacked, clip)
-            digest.update(str(data.attrs[DIGEST]).encode())
+            digest.update(read_text(data, DIGEST).encode())
     assert stacked is not None
-    stacked.attrs[DIGEST] = digest.hexdigest()
+    write_text(stacked, DIGEST, digest.hexdigest())
 
 
 def _copy_chunks(source: h5py.Dataset, target: h5py.Dataset, clip: int) -> None:
