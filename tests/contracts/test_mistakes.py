@@ -49,7 +49,7 @@ def test_train(case, own, tmp_path, run):
 
 @pytest.mark.parametrize(
     ("content", "part"),
-    [(b"\x89HDF\r\n\x1a\n truncated", "truncated or not an HDF5 file"), (None, "broken.h5 not found")],
+    [(b"\x89HDF\r\n\x1a\n truncated", "is an HDF5 file that is truncated or damaged"), (None, "broken.h5 not found")],
 )
 def test_a_broken_file(content, part, own, tmp_path, run):
     path = tmp_path / "broken.h5"

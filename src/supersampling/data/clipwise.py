@@ -4,13 +4,15 @@ import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import h5py
 from filelock import FileLock, Timeout
 
+from supersampling.data.content import read_text
 from supersampling.data.dataset_file import DatasetFile
+from supersampling.data.hdf5 import MissingFile, open_hdf5, reading
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.writer import ClipWriter, buffers_in, join_clips
-from supersampling.errors import UserError
+from supersampling.errors import DamagedFile, UserError
+from supersampling.files import set_aside
 from supersampling.frames import BUFFERS
 
 WriteClip = Callable[[int, ClipWriter, frozenset[str]], None]
@@ -30,24 +32,55 @@ class ClipwiseFile:
         self._lock = folder / f".{spec.file_name}.lock"
 
     def missing(self) -> frozenset[str]:
-        """Return the buffers that are missing in the file.
+        """Return the buffers that are missing in the file; a broken file is renamed and counts as missing.
 
         Raises:
-            UserError: the file is truncated, or its content does not match its name.
+            UserError: the file cannot be opened, or its content does not match its name.
         """
-        if not self.path.exists():
+        try:
+            file = self._open()
+        except DamagedFile:
+            file = self._set_aside()
+        if file is None:
             return self._names
-        file = DatasetFile(self.path)
-        spec, buffers = file.spec, file.buffers
         file.close()
-        if spec != self.spec:
-            raise UserError(f"{self.path} holds {spec.to_json()}, which does not match its name: remove the file.")
-        return self._names - buffers
+        if file.spec != self.spec:
+            raise UserError(
+                f"{self.path} holds {file.spec.to_json()}, which does not match its name: move it to another folder."
+            )
+        return self._names - file.buffers
+
+    def _open(self) -> DatasetFile | None:
+        try:
+            return DatasetFile(self.path)
+        except MissingFile:
+            return None
+
+    def _set_aside(self) -> DatasetFile | None:
+        """Rename the file if it is still broken, so that no process renames what another has just written."""
+        with FileLock(self._lock):
+            try:
+                return self._open()
+            except DamagedFile as error:
+                set_aside(self.path, error, "its clips are made again")
+        return None
 
     def waiting(self) -> list[int]:
         """Return the clips that are not finished."""
         missing = self.missing()
         return [k for k in range(self.spec.clips) if not self._has(k, missing)] if missing else []
+
+    def begun_with(self, attribute: str) -> str | None:
+        """Return an attribute of the file, or else of its first finished clip; None if there is neither."""
+        file = self._open()
+        if file is not None:
+            file.close()
+            return file.attributes.get(attribute)
+        for path in sorted(self.parts.glob("*.h5")):
+            if buffers_in(path):
+                with open_hdf5(path) as part, reading(path, "its attributes"):
+                    return read_text(part, attribute) if attribute in part.attrs else None
+        return None
 
     def work(self, write: WriteClip, attributes: Mapping[str, str]) -> None:
         """Write every clip that no other process is writing, and join the clips if all are finished.
@@ -74,11 +107,7 @@ class ClipwiseFile:
         return self.parts / f"{clip:04d}.h5"
 
     def _has(self, clip: int, names: frozenset[str]) -> bool:
-        try:
-            return names <= buffers_in(self._part(clip))
-        # Another process has just finished the file.
-        except FileNotFoundError:
-            return False
+        return names <= buffers_in(self._part(clip))
 
     def _write_clip(self, clip: int, write: WriteClip) -> None:
         part = self._part(clip)
@@ -106,8 +135,8 @@ class ClipwiseFile:
             missing = self.missing()
             if missing:
                 parts = [self._part(k) for k in range(self.spec.clips)]
-                with h5py.File(parts[0], "r") as first:
-                    notes = {str(key): str(value) for key, value in first.attrs.items()}
+                with open_hdf5(parts[0]) as first, reading(parts[0], "its attributes"):
+                    notes = {str(key): read_text(first, key) for key in first.attrs}
                 join_clips(self.path, self.spec, parts, missing, notes | dict(attributes))
         if self.parts.exists():
             shutil.rmtree(self.parts, ignore_errors=True)

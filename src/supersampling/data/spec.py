@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 SCHEMA_VERSION = 3
 SPLITS = ("train", "val", "test")
@@ -45,9 +46,40 @@ class CaptureSpec:
     def to_json(self) -> str:
         return json.dumps({"schema": SCHEMA_VERSION, **asdict(self)}, sort_keys=True)
 
+    @classmethod
+    def from_json(cls, text: str) -> "CaptureSpec":
+        """Return the specification that `to_json` wrote.
+
+        Raises:
+            ValueError: it has another schema, fields that are missing or unknown, or values that no file can have.
+        """
+        values = json.loads(text)
+        schema = values.pop("schema", None) if isinstance(values, dict) else None
+        if schema != SCHEMA_VERSION:
+            raise ValueError(f"schema {schema} instead of {SCHEMA_VERSION}")
+        kinds = {field.name: field.type for field in fields(cls)}
+        invalid = sorted(key for key, value in values.items() if not _fits(kinds.get(key), value))
+        if invalid:
+            raise ValueError(f"{invalid[0]}={values[invalid[0]]}")
+        try:
+            arguments: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+            spec = cls(**arguments)
+        except TypeError as error:
+            raise ValueError("a missing field") from error
+        if not (spec.clips >= 1 and 1 <= spec.targets <= spec.frames and 1 <= spec.scale <= min(spec.window)):
+            raise ValueError("impossible sizes")
+        return spec
+
     @property
     def file_name(self) -> str:
         """Return a readable name that is unique to the specification."""
         digest = hashlib.sha256(self.to_json().encode()).hexdigest()[:8]
         plain = "".join(c if c.isalnum() or c in "-." else "_" for c in self.scene).strip("_.")
         return f"{plain}_{self.split}_x{self.scale}_{digest}.h5"
+
+
+def _fits(kind: Any, value: Any) -> bool:
+    """Return whether a JSON value has the type of a field; pairs are lists in JSON."""
+    if kind in (int, str):
+        return type(value) is kind
+    return isinstance(value, list) and [type(side) for side in value] == [int, int]

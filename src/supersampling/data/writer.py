@@ -5,7 +5,9 @@ Each clip is a small HDF5 file until all clips are finished. Then their compress
 file, which is renamed to its final name. Buffers that are requested later are added to a finished file in the same way.
 """
 
+import errno
 import hashlib
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import product
@@ -17,9 +19,12 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from supersampling.data.content import DIGEST, digest_of_attributes, read_text, write_text
 from supersampling.data.dataset_file import describe
+from supersampling.data.hdf5 import MissingFile, errno_of, open_hdf5, reading
 from supersampling.data.spec import CaptureSpec
-from supersampling.errors import UserError
+from supersampling.errors import DamagedFile, UserError, describe_system_error
+from supersampling.files import replace_file
 from supersampling.frames import BUFFERS
 
 TILE = 64  # pixels; a 64 x 64 target crop touches at most four tiles
@@ -36,16 +41,22 @@ def quantise(name: str, values: NDArray[np.float32]) -> NDArray[Any]:
     return values.astype(dtype)
 
 
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+
+
 @contextmanager
-def _no_space(path: Path) -> Iterator[None]:
+def _writing(path: Path) -> Iterator[None]:
     try:
         yield
     # h5py raises RuntimeError if a flush fails.
     except (OSError, RuntimeError) as error:
+        code = errno_of(error)
+        condition = describe_system_error(OSError(code, ""), path) if code and code not in _FULL else None
+        if condition is not None:
+            raise condition from error
+        reason = os.strerror(code) if code else error
         raise UserError(
-            f"Cannot write {path} ({getattr(error, 'strerror', None) or error}): free some space, then run again; "
-            "finished "
-            "clips are kept."
+            f"Cannot write {path} ({reason}): free some space, then run again; finished clips are kept."
         ) from error
 
 
@@ -63,13 +74,13 @@ class ClipWriter:
         self._temporary = path.with_suffix(".tmp")
         self._next = dict.fromkeys(lengths, 0)
         self._hashes = {name: hashlib.sha256() for name in lengths}
-        with _no_space(path):
+        with _writing(path):
             self._file = h5py.File(self._temporary, "w", libver="v110")
 
     def add(self, name: str, values: NDArray[np.float32]) -> None:
         """Write the next frame of a buffer, ``(h, w, C)`` float32 in its range (``(2,)`` for jitter)."""
         stored = quantise(name, np.asarray(values))
-        with _no_space(self._path):
+        with _writing(self._path):
             if self._next[name] == 0:
                 self._create(name, stored)
             self._file[name][self._next[name]] = stored
@@ -83,15 +94,15 @@ class ClipWriter:
     def note(self, **attributes: str) -> None:
         """Set attributes of the whole clip."""
         for key, value in attributes.items():
-            self._file.attrs[key] = value
+            write_text(self._file, key, value)
 
     def close(self) -> None:
         assert self._next == self._lengths, (self._next, self._lengths)
-        with _no_space(self._path):
+        with _writing(self._path):
             for name, digest in self._hashes.items():
-                self._file[name].attrs["digest"] = digest.hexdigest()
+                write_text(self._file[name], DIGEST, digest.hexdigest())
             self._file.close()
-            self._temporary.replace(self._path)
+            replace_file(self._temporary, self._path)
 
     def __enter__(self) -> "ClipWriter":
         return self
@@ -119,11 +130,16 @@ def _storage(frame: tuple[int, ...], dtype: np.dtype) -> dict[str, Any]:
 
 
 def buffers_in(path: Path) -> frozenset[str]:
-    """Return the buffers of a finished clip or data set file; none if the file does not exist."""
-    if not path.exists():
+    """Return the buffers of a finished clip; none if the file does not exist or is broken.
+
+    Raises:
+        UserError: the file cannot be opened.
+    """
+    try:
+        with open_hdf5(path) as file, reading(path, "its buffers"):
+            return frozenset(name for name in file if DIGEST in file[name].attrs)
+    except (MissingFile, DamagedFile):
         return frozenset()
-    with h5py.File(path, "r") as file:
-        return frozenset(file.keys())
 
 
 def join_clips(
@@ -138,19 +154,20 @@ def join_clips(
     """
     temporary = path.with_suffix(".h5.part")
     try:
-        with _no_space(path), h5py.File(temporary, "w", libver="v110") as file:
+        with _writing(path), h5py.File(temporary, "w", libver="v110") as file:
             if path.exists():
-                with h5py.File(path, "r") as old:
+                with open_hdf5(path) as old, reading(path, "a buffer"):
                     for name in sorted(old.keys()):
                         old.copy(old[name], file, name)
+                        write_text(file[name], DIGEST, read_text(old[name], DIGEST))
             for name in sorted(names - frozenset(file.keys())):
                 _join(file, name, parts)
-            file.attrs["spec"] = spec.to_json()
-            file.attrs["conventions"] = describe(sorted(file.keys()))
-            for key, value in sorted(attributes.items()):
-                file.attrs[key] = value
-        with _no_space(path):
-            temporary.replace(path)
+            texts = {"spec": spec.to_json(), "conventions": describe(sorted(file.keys())), **attributes}
+            digests = {name: read_text(file[name], DIGEST) for name in file}
+            for key, value in sorted({**texts, DIGEST: digest_of_attributes(texts, digests)}.items()):
+                write_text(file, key, value)
+        with _writing(path):
+            replace_file(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -160,7 +177,7 @@ def _join(file: h5py.File, name: str, parts: Sequence[Path]) -> None:
     digest = hashlib.sha256()
     stacked: h5py.Dataset | None = None
     for clip, part in enumerate(parts):
-        with h5py.File(part, "r") as source:
+        with open_hdf5(part) as source, reading(part, name):
             data = source[name]
             if stacked is None:
                 shape = (len(parts), *data.shape)
@@ -172,9 +189,9 @@ def _join(file: h5py.File, name: str, parts: Sequence[Path]) -> None:
                 stacked[clip] = data[()]
             else:
                 _copy_chunks(data, stacked, clip)
-            digest.update(str(data.attrs["digest"]).encode())
+            digest.update(read_text(data, DIGEST).encode())
     assert stacked is not None
-    stacked.attrs["digest"] = digest.hexdigest()
+    write_text(stacked, DIGEST, digest.hexdigest())
 
 
 def _copy_chunks(source: h5py.Dataset, target: h5py.Dataset, clip: int) -> None:

@@ -14,7 +14,8 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from supersampling.errors import UserError
+from supersampling.errors import UserError, describe_system_error
+from supersampling.files import check_regular_file
 
 FILE = "frames.parquet"
 PLACE = ["scene", "clip", "frame"]
@@ -46,7 +47,7 @@ def write_scores(path: Path, scores: Scores) -> None:
         columns[name] = pa.array(values, pa.int32())
     for name in metrics:
         columns[name] = pa.array(rows[name].to_numpy(dtype="float64"), pa.float64(), from_pandas=False)
-    pq.write_table(pa.table(columns), path)
+    pq.write_table(pa.table(columns), path, write_page_checksum=True)
 
 
 def read_scores(path: Path) -> Scores:
@@ -57,9 +58,12 @@ def read_scores(path: Path) -> Scores:
         UserError: the file is not Parquet; columns are missing or of a wrong type; two rows have the same place; a clip
             has frames but no row for the clip.
     """
+    check_regular_file(path)
     try:
-        table = pq.read_table(path)
+        table = pq.read_table(path, page_checksum_verification=True)
     except (pa.ArrowException, OSError) as error:
+        if isinstance(error, OSError) and (condition := describe_system_error(error, path)):
+            raise condition from error
         raise UserError(
             f"{path} is not a Parquet table of scores ({str(error).splitlines()[0]}): write it again."
         ) from error

@@ -8,8 +8,6 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-import h5py
-
 from supersampling import __version__
 from supersampling.data.clipwise import ClipwiseFile
 from supersampling.data.spec import CaptureSpec
@@ -116,15 +114,12 @@ class DataFile:
 
     def _check_renderer(self, name: str) -> None:
         """Raise `UserError` if the file was begun with another OpenGL renderer: renderers differ in low bits."""
-        for path in (self.path, *sorted(self._file.parts.glob("*.h5"))[:1]):
-            if not path.exists():
-                continue
-            with h5py.File(path, "r") as file:
-                stored = str(file.attrs["renderer"])
-            if stored != name:
-                raise UserError(
-                    f"{path} was rendered with {stored}, but this is {name}: remove the file to start again."
-                )
+        stored = self._file.begun_with("renderer")
+        if stored not in (None, name):
+            raise UserError(
+                f"{self.path} was begun with {stored}, but this is {name}: go on with that renderer, or set paths.data "
+                "to another folder."
+            )
 
 
 def _attributes(spec: CaptureSpec) -> dict[str, str]:

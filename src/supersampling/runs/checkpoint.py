@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import lightning as L
-import torch
 from hydra.errors import InstantiationException
 from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
@@ -17,6 +16,7 @@ from supersampling import __version__
 from supersampling.errors import UserError
 from supersampling.models.base import Upsampler
 from supersampling.runs import tags
+from supersampling.runs.checkpoint_file import load_checkpoint
 from supersampling.runs.options import described, restored
 
 KEY = "supersampling"  # of the entry in a checkpoint
@@ -56,16 +56,9 @@ def read_metadata(checkpoint: Path) -> dict[str, Any] | None:
     No code of the file is run.
 
     Raises:
-        UserError: the file is missing, or is not a checkpoint.
+        UserError: the file is missing or damaged, or is not a checkpoint.
     """
-    try:
-        content = torch.load(checkpoint, map_location="cpu", weights_only=True, mmap=True)
-        entry = content.get(KEY)
-    except FileNotFoundError as error:
-        raise UserError(f"There is no checkpoint {checkpoint}: correct the path.") from error
-    except Exception as error:
-        reason = str(error).splitlines()[0]
-        raise UserError(f"{checkpoint} is not a checkpoint ({reason}): name a file of train.py.") from error
+    entry = load_checkpoint(checkpoint).get(KEY)
     if entry is None:
         return None
     if not isinstance(entry, dict) or not all(isinstance(entry.get(k), dict) for k in ("model", "task")):
@@ -103,20 +96,13 @@ def load_weights(model: Upsampler, checkpoint: Path) -> None:
     """Load the weights of a training checkpoint into ``model`` (safe loading; no code is run).
 
     Raises:
-        UserError: the file is missing, is not a checkpoint, or holds another model.
+        UserError: the file is missing or damaged, is not a checkpoint, or holds another model.
     """
+    weights = load_checkpoint(checkpoint)["state_dict"]
+    state = {name.removeprefix(PREFIX): value for name, value in weights.items() if name.startswith(PREFIX)}
     try:
-        content = torch.load(checkpoint, map_location="cpu", weights_only=True)
-        model.load_state_dict(
-            {
-                name.removeprefix(PREFIX): value
-                for name, value in content["state_dict"].items()
-                if name.startswith(PREFIX)
-            }
-        )
-    except FileNotFoundError as error:
-        raise UserError(f"There is no checkpoint {checkpoint}: correct the path.") from error
-    except Exception as error:
+        model.load_state_dict(state)
+    except RuntimeError as error:
         reason = str(error).splitlines()[0]
         raise UserError(
             f"{checkpoint} does not hold weights of the configured model ({reason}): set model=... as it was trained."

@@ -7,9 +7,11 @@ from typing import Any
 
 from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError
 
 from supersampling.config import choices, key_of, typed_overrides
-from supersampling.errors import UserError
+from supersampling.errors import UserError, describe_system_error
 from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.checkpoint import build, load_weights, read_metadata
@@ -77,7 +79,7 @@ def _method_of_checkpoint(cfg: DictConfig) -> LoadedMethod:
 def _method_of_run(experiment: Experiment, cfg: DictConfig) -> LoadedMethod:
     """Return the method of a finished run, with its weights or its tuned constants."""
     run = experiment.run(str(cfg.run))
-    logged: Any = OmegaConf.to_container(OmegaConf.load(experiment.required_artifact(run, CONFIGURATION)))
+    logged: Any = OmegaConf.to_container(read_configuration(experiment.required_artifact(run, CONFIGURATION)))
     model = _matching_model(cfg, logged["model"], logged["task"], f"Run {cfg.run}", **tuned_constants(run))
     if is_learned(model):
         load_weights(model, experiment.required_artifact(run, CHECKPOINT))
@@ -88,6 +90,24 @@ def _method_of_run(experiment: Experiment, cfg: DictConfig) -> LoadedMethod:
         "version": run_tags.get(tags.VERSION, ""),
     }
     return LoadedMethod(model, run_tags.get(tags.METHOD, ""), described(logged["model"]), dict(run.data.params), origin)
+
+
+def read_configuration(path: Path) -> DictConfig:
+    """Return the configuration that a run logged.
+
+    Raises:
+        UserError: the file is damaged, or is no configuration of a method.
+    """
+    try:
+        cfg: Any = OmegaConf.load(path)
+        complete = isinstance(cfg, DictConfig) and all(OmegaConf.select(cfg, key) for key in ("model", "task.scale"))
+    except (YAMLError, OmegaConfBaseException, ValueError, OSError) as error:
+        if isinstance(error, OSError) and (condition := describe_system_error(error, path)):
+            raise condition from error
+        complete = False
+    if not complete:
+        raise UserError(f"{path} is truncated or no configuration of a method: restore it, or name a run of train.py.")
+    return cfg
 
 
 def _matching_model(

@@ -1,5 +1,6 @@
 """The scores of a run: means as metrics, tables as artifacts."""
 
+import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 from mlflow.entities import Run
 from mlflow.exceptions import MlflowException
 
+from supersampling.errors import UserError
 from supersampling.evaluation.result import Result
 from supersampling.metrics import scores
 from supersampling.metrics.selection import Metrics
@@ -22,7 +24,11 @@ def log_result(experiment: Experiment, run_id: str, result: Result, more: Mappin
     Metrics that the run was scored by earlier, and that this result does not have, are kept.
     """
     client = experiment.client
-    previous = scores_of(experiment, run_id)
+    try:
+        previous = scores_of(experiment, run_id)
+    except UserError as error:  # as a full disk leaves it; the means of its other metrics remain
+        sys.stderr.write(f"{error} It is replaced by the scores of this command.\n")
+        previous = None
     if previous is not None:
         result = result.merge(previous)
     experiment.log_metrics(run_id, {**result.summary(), **more})
@@ -51,8 +57,13 @@ def means_of(run: Run) -> dict[str, float]:
 
 
 def scores_of(experiment: Experiment, run_id: str) -> scores.Scores | None:
-    """Return the tables that a run has logged, None if it has none."""
+    """Return the tables that a run has logged, None if it has none.
+
+    Raises:
+        UserError: the table is damaged.
+    """
     try:
-        return scores.read_scores(experiment.artifact(run_id, scores.FILE))
+        path = experiment.artifact(run_id, scores.FILE)
     except (MlflowException, OSError):
         return None
+    return scores.read_scores(path)

@@ -8,13 +8,13 @@ from typing import Any
 from hydra.core.hydra_config import HydraConfig
 from mlflow.entities import Run
 from mlflow.exceptions import MlflowException
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import OmegaConf
 
 from supersampling.config import composed, group_options, key_of, typed_overrides
 from supersampling.errors import UserError
 from supersampling.runs import tags
 from supersampling.runs.experiment import FINISHED, Experiment
-from supersampling.runs.method import CONFIGURATION
+from supersampling.runs.method import CONFIGURATION, read_configuration
 from supersampling.runs.naming import method_name
 from supersampling.runs.options import restored
 from supersampling.runs.timing import architecture
@@ -111,10 +111,9 @@ def finished_jobs(experiment: Experiment) -> Iterator[tuple[str, Subject]]:
 
 def _read_subject(experiment: Experiment, run: Run) -> Subject | None:
     try:
-        cfg: Any = OmegaConf.load(experiment.artifact(run.info.run_id, CONFIGURATION))
+        path = experiment.artifact(run.info.run_id, CONFIGURATION)
     except (MlflowException, OSError):
         return None
-    if not isinstance(cfg, DictConfig) or not all(OmegaConf.select(cfg, k) for k in ("model", "task.scale")):
-        return None
+    cfg = read_configuration(path)
     model = restored(OmegaConf.to_container(cfg.model, resolve=True), f"Run {run.info.run_id}")
     return Subject(run.data.tags.get(tags.METHOD, ""), model, cfg.task.scale, cfg.task.get("jitter", "thesis"))

@@ -15,8 +15,10 @@ from supersampling.errors import UserError
 from supersampling.losses import Loss
 from supersampling.models.base import Upsampler
 from supersampling.runs.checkpoint import Carry, load_weights, metadata
+from supersampling.runs.checkpoint_file import WholeCheckpoints
 from supersampling.runs.experiment import Experiment
 from supersampling.training.module import Training, checkpoints
+from supersampling.training.resume import resume_checkpoint
 from supersampling.training.schedule import scheduled
 from supersampling.training.time_limit import position
 from supersampling.training.trainer_settings import arguments, explained_failures, profiler, time_limits
@@ -42,8 +44,9 @@ def fit(
     last = folder / "last.ckpt"
     run = experiment.client.get_run(run_id).data
     loaders = make_loaders(cfg, files, model, loss)
-    if last.exists():
-        loaders.continue_at(*position(last))
+    resumed = resume_checkpoint(last, module)
+    if resumed is not None:
+        loaders.continue_at(*position(resumed))
     carry = Carry(metadata(cfg, run.tags, run.params, run_id))
     with explained_failures():
         trainer = L.Trainer(
@@ -57,7 +60,8 @@ def fit(
             enable_model_summary=False,
             callbacks=[timer, carry, *time_limits(cfg, last), checkpoints(folder)],
         )
-        trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
+        trainer.strategy.checkpoint_io = WholeCheckpoints()
+        trainer.fit(module, loaders, ckpt_path=resumed, weights_only=True)
     experiment.restart(run_id, None)  # Lightning's logger has ended the run, which is still to be scored
     experiment.log_metrics(run_id, {"train/minutes": timer.time_elapsed("train") / 60.0})
     experiment.client.log_artifact(run_id, str(last), "checkpoint")
