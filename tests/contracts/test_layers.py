@@ -9,6 +9,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 ROOMS = (  # from the bottom up
     "errors",
+    "process",
     "settings",
     "resources",
     "config",

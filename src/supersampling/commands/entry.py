@@ -1,11 +1,8 @@
 """The start of every command: ``supersampling train ...`` and ``python train.py ...`` both come here."""
 
-import logging
 import os
-import signal
 import sys
 import traceback
-import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -24,6 +21,7 @@ from supersampling.commands.overrides import check_overrides, explanation
 from supersampling.commands.resolvers import register
 from supersampling.config import VERSION_BASE
 from supersampling.errors import UserError, find_user_error, was_interrupted
+from supersampling.process import prepare_process
 from supersampling.resources import VARIABLE, resources
 
 USER_ERROR_STATUS = 2
@@ -131,8 +129,7 @@ def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
     A task may return an exit status of its own. The other jobs of a multirun continue after one that failed: see
     `ExitStatus`.
     """
-    _silence_libraries()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    prepare_process()
     try:
         status = task(cfg)
     except (Exception, KeyboardInterrupt, SystemExit) as error:
@@ -160,15 +157,3 @@ def _status_of(error: BaseException) -> int:
         raise error
     traceback.print_exception(error)
     return 1
-
-
-def _silence_libraries() -> None:
-    """Silence what libraries report about themselves; warnings about the user's data stay."""
-    os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
-    os.environ.setdefault("MLFLOW_LOGGING_LEVEL", "ERROR")
-    os.environ.setdefault("MLFLOW_ENABLE_ARTIFACTS_PROGRESS_BAR", "false")
-    os.environ.setdefault("GIT_PYTHON_REFRESH", "quiet")
-    warnings.filterwarnings("ignore", category=UserWarning, module=r"lightning\..*")
-    warnings.filterwarnings("ignore", category=FutureWarning)
-    for library in ("lightning.pytorch", "mlflow", "alembic"):
-        logging.getLogger(library).setLevel(logging.ERROR)

@@ -3,12 +3,15 @@
 import copy
 
 import torch
+from hydra.utils import instantiate
 from omegaconf import DictConfig, open_dict
 
 from supersampling import config
 from supersampling.runs.experiment import experiment_of
+from supersampling.runs.naming import is_learned
 from supersampling.runs.sanity import score_sanity
 from supersampling.training.check import check_numbers
+from supersampling.training.devices import devices_of
 from supersampling.training.job import Job, data_files
 
 METHOD_KEYS = ("model", "tune")
@@ -18,9 +21,11 @@ def train(cfg: DictConfig) -> None:
     """Render what is missing, score the classical baselines once, then do the configured job.
 
     Raises:
-        UserError: a setting, scene or store that the user can correct.
+        UserError: a setting, scene, store or device that the user can correct.
     """
     check_numbers(cfg)
+    if is_learned(instantiate(cfg.model)):
+        devices_of(cfg)
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
     jobs = [*baselines(cfg), (cfg, config.choices())]

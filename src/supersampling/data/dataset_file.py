@@ -53,6 +53,10 @@ class DatasetFile:
         self._loaded: dict[str, NDArray[Any]] = {}
         self.spec = self._read_spec()
 
+    def __reduce__(self) -> tuple[type["DatasetFile"], tuple[Path]]:
+        """Pickle the path: another process opens the file itself."""
+        return DatasetFile, (self.path,)
+
     @property
     def buffers(self) -> frozenset[str]:
         """Return the names of the buffers in the file."""

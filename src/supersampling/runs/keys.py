@@ -49,6 +49,7 @@ KEYS: dict[str, Key] = {
     "trainer.enable_progress_bar": Key(Effect.NOTHING),
     "trainer.accelerator": Key(Effect.NOTHING),
     "trainer.devices": Key(Effect.NOTHING),
+    "trainer.strategy": Key(Effect.NOTHING),
     "seed": Key(Effect.WEIGHTS, learned=True),
     "protocol": Key(Effect.SCORES, compared="protocol"),
     "data": Key(Effect.CONTENT, compared="data.train."),
