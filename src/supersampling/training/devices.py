@@ -95,6 +95,8 @@ def _checked_strategy(cfg: DictConfig) -> str:
 
 
 def _count(cfg: DictConfig, devices: Any) -> int:
+    if isinstance(devices, bool):  # Lightning takes true for 1
+        raise UserError(f"Invalid trainer.devices={devices}: use a whole number, a list of device numbers, or auto.")
     try:
         trainer = L.Trainer(
             accelerator=OmegaConf.select(cfg, "trainer.accelerator") or "auto",
