@@ -26,7 +26,7 @@ os.environ.setdefault("SUPERSAMPLING_ROOT", str(ROOT))
 from supersampling.commands.entry import run  # noqa: E402
 from supersampling.commands.resolvers import register  # noqa: E402
 from supersampling.data.spec import SPLITS  # noqa: E402
-from supersampling.training.fit import make_loaders  # noqa: E402
+from supersampling.training.descent import make_loaders  # noqa: E402
 from supersampling.training.job import fitting_buffers  # noqa: E402
 from supersampling.training.module import Training, unroll  # noqa: E402
 

@@ -24,7 +24,7 @@ from omegaconf import DictConfig, OmegaConf
 from torch.utils.data import DataLoader
 
 from supersampling.commands.entry import run
-from supersampling.training.fit import make_loaders
+from supersampling.training.descent import make_loaders
 from supersampling.training.job import fitting_buffers
 from supersampling.training.module import Training
 

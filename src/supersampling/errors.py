@@ -47,6 +47,8 @@ class TimeLimitReached(Exception):
 
     Commands print it without a stack trace and exit with a status of its own.
     """
+
+
 class DamagedFile(UserError):
     """A file whose content is broken beyond doubt; ``reason`` is the message without what to do."""
 

@@ -10,6 +10,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "src" / "supersampling"
 ROOMS = (  # from the bottom up
     "errors",
     "files",
+    "process",
     "settings",
     "resources",
     "config",

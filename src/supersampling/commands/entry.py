@@ -1,11 +1,8 @@
 """The start of every command: ``supersampling train ...`` and ``python train.py ...`` both come here."""
 
-import logging
 import os
-import signal
 import sys
 import traceback
-import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -24,6 +21,7 @@ from supersampling.commands.overrides import check_overrides, explanation, with_
 from supersampling.commands.resolvers import register
 from supersampling.config import VERSION_BASE
 from supersampling.errors import UserError, find_time_limit, find_user_error, was_interrupted
+from supersampling.process import prepare_process
 from supersampling.resources import VARIABLE, resources
 
 USER_ERROR_STATUS = 2
@@ -133,8 +131,7 @@ def run(task: Callable[[DictConfig], object], cfg: DictConfig) -> None:
     A task may return an exit status of its own. The other jobs of a multirun continue after one that failed: see
     `ExitStatus`.
     """
-    _silence_libraries()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    prepare_process()
     try:
         status = task(cfg)
     except (Exception, KeyboardInterrupt, SystemExit) as error:
@@ -166,30 +163,3 @@ def _status_of(error: BaseException) -> int:
         raise error
     traceback.print_exception(error)
     return 1
-
-
-def _silence_libraries() -> None:
-    """Silence what libraries report about themselves; warnings about the user's data stay, as plain lines."""
-    os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
-    os.environ.setdefault("MLFLOW_LOGGING_LEVEL", "ERROR")
-    os.environ.setdefault("MLFLOW_ENABLE_ARTIFACTS_PROGRESS_BAR", "false")
-    os.environ.setdefault("GIT_PYTHON_REFRESH", "quiet")
-    warnings.filterwarnings("ignore", category=UserWarning, module=r"lightning\..*")
-    warnings.filterwarnings("ignore", category=FutureWarning)
-    warnings.formatwarning = _format_warning
-    for library in ("lightning.pytorch", "mlflow", "alembic"):
-        logging.getLogger(library).setLevel(logging.ERROR)
-    # It logs a stack trace of each error that it raises.
-    logging.getLogger("mlflow.store.db.utils").setLevel(logging.CRITICAL)
-
-
-_format_library_warning = warnings.formatwarning
-
-
-def _format_warning(
-    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
-) -> str:
-    """Return a warning of ours about the user's data as one line; those of libraries show where they come from."""
-    if category is UserWarning and Path(filename).is_relative_to(Path(__file__).parents[1]):
-        return f"warning: {message}\n"
-    return _format_library_warning(message, category, filename, lineno, line)

@@ -18,7 +18,7 @@ def train(cfg: DictConfig) -> None:
     """Render what is missing, score the classical baselines once, then do the configured job.
 
     Raises:
-        UserError: a setting, scene or store that the user can correct.
+        UserError: a setting, scene, store or device that the user can correct.
     """
     check_training(cfg)
     torch.set_num_threads(cfg.threads)

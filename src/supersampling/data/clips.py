@@ -121,31 +121,75 @@ class WindowDataset(Dataset[dict[str, Tensor]]):
         return self._files
 
 
+@dataclass(frozen=True)
+class Share:
+    """The part of the data that one of several processes reads: ``rank`` counts from 0."""
+
+    rank: int = 0
+    processes: int = 1
+
+
+WHOLE = Share()
+
+
 class FreshIndices(Sampler[int]):
     """Indices without repetition between epochs: ``epoch * size ... (epoch + 1) * size - 1``. Lightning calls
-    `set_epoch`.
+    `set_epoch`, and `continue_at` lets the first pass begin amid an epoch, where a checkpoint was written.
 
-    `continue_at` lets the first pass begin amid an epoch, where a checkpoint was written.
+    Of each ``batch`` consecutive indices, a multiple of the processes, a share gets its equal part. So all processes
+    together read the same indices in each step, whatever their number.
     """
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, batch: int = 1, share: Share = WHOLE) -> None:
         self._size = size
+        self._part = batch // share.processes
+        self._share = share
         self._epoch = 0
         self._done = 0
 
     def continue_at(self, epoch: int, done: int) -> None:
-        """Let the next pass begin in this epoch, behind its first ``done`` indices."""
+        """Let the next pass begin in this epoch, behind its first ``done`` indices of all processes together."""
         self._epoch, self._done = epoch, done
 
     def set_epoch(self, epoch: int) -> None:
         self._epoch = epoch
 
     def __len__(self) -> int:
-        return self._size
+        return self._size // self._share.processes
 
     def __iter__(self) -> Iterator[int]:
-        done, self._done = self._done, 0
-        return iter(range(self._epoch * self._size + done, (self._epoch + 1) * self._size))
+        rank, processes = self._share.rank, self._share.processes
+        indices, self._done = self.all_indices()[self._done :], 0
+        return (k for k in indices if k // self._part % processes == rank)
+
+    def all_indices(self) -> range:
+        """Return the epoch's indices of all processes together."""
+        return range(self._epoch * self._size, (self._epoch + 1) * self._size)
+
+
+class EqualShares(Sampler[int]):
+    """Every ``processes``-th of ``size`` indices; all shares are of the same length.
+
+    The last indices of some shares repeat others, and `repeats` tells which: processes that read different numbers of
+    batches would wait for each other for ever.
+    """
+
+    def __init__(self, size: int, share: Share = WHOLE) -> None:
+        self._size = size
+        self._share = share
+
+    def __len__(self) -> int:
+        return -(-self._size // self._share.processes)
+
+    def __iter__(self) -> Iterator[int]:
+        return (self._number(k) % self._size for k in range(len(self)))
+
+    def repeats(self, position: int) -> bool:
+        """Return whether the index at a position of this share is there only for the length."""
+        return self._number(position) >= self._size
+
+    def _number(self, position: int) -> int:
+        return position * self._share.processes + self._share.rank
 
 
 @dataclass(frozen=True)

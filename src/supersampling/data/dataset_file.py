@@ -58,6 +58,10 @@ class DatasetFile:
             raise
         self.spec = self._content.spec
 
+    def __reduce__(self) -> tuple[type["DatasetFile"], tuple[Path]]:
+        """Pickle the path: another process opens the file itself."""
+        return DatasetFile, (self.path,)
+
     @property
     def buffers(self) -> frozenset[str]:
         """Return the names of the buffers in the file."""

@@ -9,7 +9,7 @@ import lightning as L
 from torch import Tensor
 from torch.utils.data import DataLoader
 
-from supersampling.data.clips import FreshIndices, WholeClips, WindowDataset
+from supersampling.data.clips import EqualShares, FreshIndices, Share, WholeClips, WindowDataset
 from supersampling.data.dataset_file import DatasetFile
 from supersampling.errors import UserError
 
@@ -71,9 +71,9 @@ def fingerprint(paths: Sequence[Path], names: Iterable[str]) -> str:
 
 
 class Loaders(L.LightningDataModule):
-    """Loaders of training windows and of whole validation clips.
+    """Loaders of training windows and of whole validation clips, for each process its share of them.
 
-    An epoch has ``steps`` batches of ``batch`` windows; ``workers`` cannot change a result.
+    An epoch has ``steps`` batches of ``batch`` windows of all processes together; ``workers`` cannot change a result.
     """
 
     def __init__(self, train: WindowDataset, val: WholeClips, *, batch: int, steps: int, workers: int) -> None:
@@ -95,16 +95,20 @@ class Loaders(L.LightningDataModule):
         return len(self._val)
 
     def train_dataloader(self) -> DataLoader[dict[str, Tensor]]:
-        sampler = FreshIndices(self._batch * self._steps)
+        share = self._share()
+        sampler = FreshIndices(self._batch * self._steps, self._batch, share)
         (epoch, batches), self._start = self._start, (0, 0)
         sampler.continue_at(epoch, batches * self._batch)
         return DataLoader(
             self._train,
-            batch_size=self._batch,
+            batch_size=self._batch // share.processes,
             sampler=sampler,
             num_workers=self._workers,
             persistent_workers=self._workers > 0,
         )
 
     def val_dataloader(self) -> DataLoader[dict[str, Tensor]]:
-        return DataLoader(self._val, batch_size=1, num_workers=0)
+        return DataLoader(self._val, batch_size=1, sampler=EqualShares(len(self._val), self._share()), num_workers=0)
+
+    def _share(self) -> Share:
+        return Share() if self.trainer is None else Share(self.trainer.global_rank, self.trainer.world_size)

@@ -40,7 +40,7 @@ _COMMAND = Key(Effect.COMMAND, shown=False)
 _TRAINER_NOTHING = [
     f"trainer.{name}"
     for name in (
-        *("max_time", "limit_val_batches", "val_check_interval", "inference_mode"),
+        *("strategy", "max_time", "limit_val_batches", "val_check_interval", "inference_mode"),
         *("deterministic", "benchmark", "detect_anomaly", "profiler", "enable_autolog_hparams"),
     )
 ]

@@ -7,6 +7,8 @@ from omegaconf import DictConfig, OmegaConf
 from torch import nn
 
 from supersampling.errors import UserError
+from supersampling.runs.naming import is_learned
+from supersampling.training.devices import devices_of
 from supersampling.training.schedule import optimizer_steps, scheduled
 from supersampling.training.trainer_settings import check_trainer
 
@@ -31,10 +33,12 @@ _NUMBERS: dict[str, tuple[type, float, float]] = {
 
 
 def check_training(cfg: DictConfig) -> None:
-    """Raise `UserError` for a number, optimizer, schedule or argument of Lightning that no training can have."""
+    """Raise `UserError` for a number, optimizer, schedule, device or argument of Lightning that no training can have."""
     check_numbers(cfg)
     check_trainer(cfg)
     check_schedule(cfg)
+    if is_learned(instantiate(cfg.model)):
+        devices_of(cfg)
 
 
 def check_schedule(cfg: DictConfig) -> None:

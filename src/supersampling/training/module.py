@@ -1,7 +1,7 @@
 """The one training loop: any upsampler as a recurrent step, unrolled over a clip, with backpropagation through time."""
 
+import math
 from collections.abc import Callable, Iterable, Mapping
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -88,10 +88,10 @@ class Training(L.LightningModule):
         self._unchecked.append((self.global_step, batch_index, {k: v.detach() for k, v in terms.items()}))
         if len(self._unchecked) == CHECKED_TOGETHER:
             self._check()
-        self.log("train/loss", value, on_step=False, on_epoch=True, batch_size=len(outputs))
-        if len(terms) > 1:
-            named = {f"train/{name}": term for name, term in terms.items()}
-            self.log_dict(named, on_step=False, on_epoch=True, batch_size=len(outputs))
+        named = {f"train/{name}": term for name, term in terms.items()} if len(terms) > 1 else {}
+        self.log_dict(
+            {"train/loss": value, **named}, on_step=False, on_epoch=True, batch_size=len(outputs), sync_dist=True
+        )
         return value
 
     def on_train_epoch_end(self) -> None:
@@ -109,14 +109,22 @@ class Training(L.LightningModule):
             )
 
     def _check(self) -> None:
-        """Raise `NotFinite` for the first step since the last check whose terms are not all finite."""
+        """Raise `NotFinite` for the first step since the last check whose terms are not all finite.
+
+        All devices raise it together, for the mean of their terms: that of the whole batch.
+        """
         steps, self._unchecked = self._unchecked, []
-        if not steps or torch.stack([v for _, _, terms in steps for v in terms.values()]).isfinite().all():
+        if not steps:
             return
-        for step, batch, terms in steps:
-            bad = [f"{name} = {value.item()}" for name, value in terms.items() if not value.isfinite()]
+        local = torch.stack([v for _, _, terms in steps for v in terms.values()])
+        gathered: Any = self.all_gather(local)
+        values = gathered.view(-1, len(steps), len(steps[0][2]))  # devices, steps, terms
+        if values.isfinite().all():
+            return
+        for (step, batch, terms), means in zip(steps, values.cpu().double().mean(dim=0).tolist()):
+            bad = [f"{name} = {value}" for name, value in zip(terms, means) if not math.isfinite(value)]
             if bad:
-                good = [f"{name} = {value.item():.4g}" for name, value in terms.items() if value.isfinite()]
+                good = [f"{name} = {value:.4g}" for name, value in zip(terms, means) if math.isfinite(value)]
                 raise NotFinite(
                     f"The loss stopped being finite at step {step} (epoch {self.current_epoch}, batch {batch}): "
                     f"{', '.join(bad)}{', with ' if good else ''}{', '.join(good)}. Its windows: "
@@ -124,17 +132,26 @@ class Training(L.LightningModule):
                 )
 
     def _windows(self, batch: int) -> list[str]:
-        """Return the names of the windows in a batch of this epoch: the sampler repeats them."""
+        """Return the names of the windows in a batch of this epoch, those of all devices."""
         loader: Any = self.trainer.train_dataloader
-        return [loader.dataset.name(k) for k in next(islice(iter(loader.batch_sampler), batch, None))]
+        size = loader.batch_size * self.trainer.world_size
+        return [loader.dataset.name(k) for k in loader.sampler.all_indices()[batch * size : (batch + 1) * size]]
 
     def validation_step(self, clip: dict[str, Tensor], batch_index: int) -> None:
+        devices = self.trainer.world_size
+        loader: Any = self.trainer.val_dataloaders
+        repeats = devices > 1 and loader.sampler.repeats(batch_index)
+        mean = torch.zeros((), device=self.device) if repeats else self._mean_psnr(clip)
+        # A multiple of the devices: Lightning divides the sum of the sizes by them, and rounds down.
+        size = 0 if repeats else devices
+        self.log("val/psnr", mean, on_epoch=True, batch_size=size, prog_bar=True, sync_dist=True)
+
+    def _mean_psnr(self, clip: dict[str, Tensor]) -> Tensor:
         targets = clip["target"].shape[1]
         outputs = unroll(self.model, clip, targets)
         first = clip_length(clip) - targets
         images = [self.model.present(outputs[:, k], Frame.from_clip(clip, first + k)) for k in range(targets)]
-        mean = psnr(torch.cat(images).float(), clip["target"].transpose(0, 1).flatten(0, 1)).mean()
-        self.log("val/psnr", mean, on_epoch=True, batch_size=1, prog_bar=True, sync_dist=True)
+        return psnr(torch.cat(images).float(), clip["target"].transpose(0, 1).flatten(0, 1)).mean()
 
     def configure_optimizers(self) -> Any:
         optimizer = self._make_optimizer(self.model.parameters())

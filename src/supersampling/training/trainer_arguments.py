@@ -65,6 +65,7 @@ RESERVED: dict[str, Reserved] = {
     "limit_predict_batches": Reserved(_LOADED),
     "plugins": Reserved("leave it out: plugins are objects of Python, which no setting can name"),
     "default_root_dir": Reserved("use paths.checkpoints for the folder of checkpoints and profiles"),
+    "use_distributed_sampler": Reserved("leave it out: the windows of a batch are dealt out to devices", (True, False)),
     "model_registry": Reserved("leave it out: a checkpoint is an artifact of its MLflow run"),
 }
 

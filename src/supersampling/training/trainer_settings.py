@@ -18,8 +18,8 @@ from supersampling.errors import UserError
 from supersampling.training.time_limit import TimeLimit
 from supersampling.training.trainer_arguments import NAMES, RESERVED, RULES, duration
 
-BUILT_BY_JOB = ("max_time", "profiler")
-"""Arguments whose objects a job builds: `time_limits` and `profiler`."""
+BUILT_BY_JOB = ("max_time", "profiler", "devices", "strategy", "num_nodes")
+"""Arguments whose objects a job builds: see `time_limits`, `profiler` and `supersampling.training.devices`."""
 PROFILERS: dict[str, Callable[..., Profiler]] = {
     "simple": SimpleProfiler,
     "advanced": AdvancedProfiler,
