@@ -13,7 +13,7 @@ import torch
 from mlflow.tracking import MlflowClient
 
 ROOT = Path(__file__).resolve().parents[2]
-SECONDS = 120
+SECONDS = 600  # until a process counts as hung
 
 
 def begin(root, files, *sweep):
