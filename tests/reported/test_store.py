@@ -13,19 +13,10 @@ import pytest
 from answers import Answer
 from mlflow import MlflowClient
 
-from supersampling.runs.database import create_database
 from supersampling.runs.location import VARIABLE, uri_of_file
 
 Command = Callable[..., Answer]
 Row = Callable[..., None]
-
-
-@pytest.fixture(scope="session")
-def new_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return an empty store, which takes MLflow seconds to create; tests copy it."""
-    path = tmp_path_factory.mktemp("store") / "mlflow.db"
-    create_database(path)
-    return path
 
 
 @pytest.fixture(autouse=True)
