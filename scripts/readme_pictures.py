@@ -15,6 +15,7 @@ from PIL import Image, ImageDraw
 from supersampling.render.camera import Shot, Window
 from supersampling.render.paths import camera_path
 from supersampling.render.renderer import Renderer
+from supersampling.runs.location import uri_of_file
 from supersampling.scenes.load import load_scene
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -59,7 +60,7 @@ def contact_sheet() -> Image.Image:
 
 def crops() -> Image.Image:
     """Return one row per scene: input, each method's output and target, with names above."""
-    mlflow.set_tracking_uri(f"sqlite:///{ROOT}/mlflow.db")
+    mlflow.set_tracking_uri(uri_of_file(ROOT / "mlflow.db"))
     finished = "tags.`ss.kind` = 'job' and attributes.status = 'FINISHED'"
     runs = mlflow.search_runs(experiment_names=["supersampling"], filter_string=finished)
     runs = runs[runs["tags.ss.dataset"] == runs["tags.ss.dataset"].iloc[0]]

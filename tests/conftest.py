@@ -175,3 +175,13 @@ def raft_home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def raft(raft_home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Use random weights in place of pretrained RAFT."""
     monkeypatch.setenv("TORCH_HOME", str(raft_home))
+
+
+@pytest.fixture(scope="session")
+def new_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an empty store, which takes MLflow seconds to create; tests copy it."""
+    from supersampling.runs.database import create_database
+
+    path = tmp_path_factory.mktemp("store") / "mlflow.db"
+    create_database(path)
+    return path

@@ -23,6 +23,7 @@ from supersampling.commands.report import report
 from supersampling.metrics.scores import FILE, Scores, write_scores
 from supersampling.reporting.papers.published import load_papers
 from supersampling.reporting.papers.schema import Paper, Selection
+from supersampling.runs.location import uri_of_file
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = [f"scene{index}" for index in range(9)]
@@ -77,7 +78,7 @@ def write_table(path: Path, seed: int, quality: float) -> None:
 
 def fabricate(folder: Path, papers: list[Paper], count: int) -> None:
     """Create a store of ``count`` finished jobs in ``folder``."""
-    uri = f"sqlite:///{folder / 'mlflow.db'}"
+    uri = uri_of_file(folder / "mlflow.db")
     client = MlflowClient(uri)
     experiment = client.create_experiment("supersampling", (folder / "artifacts").as_uri())
     for index, params in enumerate(configurations(papers, count)):
@@ -118,7 +119,7 @@ def main() -> None:
             start = time.perf_counter()
             fabricate(folder, papers, arguments.runs)
             print(f"{arguments.runs} runs created in {time.perf_counter() - start:.0f} s", flush=True)
-        measure(f"sqlite:///{folder / 'mlflow.db'}", Path(name) / "out")
+        measure(uri_of_file(folder / "mlflow.db"), Path(name) / "out")
 
 
 def measure(uri: str, output: Path) -> None:

@@ -142,6 +142,8 @@ def _connect(location: Location) -> Client:
 
 def select_store(location: Location) -> None:
     """Make MLflow's functions without a client use this store."""
+    if str(location) != location.uri:  # MLflow prints addresses of runs, with the password
+        os.environ["MLFLOW_SUPPRESS_PRINTING_URL_TO_STDOUT"] = "true"
     variable = os.environ.get(VARIABLE)
     mlflow.set_tracking_uri(location.uri)
     # MLflow exports it as well: a later job of this process with another root would take it for the user's setting.
