@@ -7,6 +7,7 @@ from capture_files import ALL, make_source
 from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.source import check_exportable
+from supersampling.data.readers.importing import import_capture
 from supersampling.data.spec import CaptureSpec
 from supersampling.data.writer import ClipWriter, join_clips
 from supersampling.errors import UserError
@@ -74,3 +75,11 @@ def test_targets_of_some_frames_only(tmp_path):
     join_clips(tmp_path / "all.h5", spec, [tmp_path / "0.h5"], frozenset({"target"}), {})
     with pytest.raises(UserError, match=r"data\.train\.targets=3"):
         check_exportable(DatasetFile(tmp_path / "all.h5"), frozenset({"target"}), "qrisp")
+
+
+@pytest.mark.parametrize("layout", ["qrisp", "arm", "nsrd"])
+def test_clips_of_one_frame_are_read_without_a_check_of_motion(tmp_path, capsys, layout):
+    file = make_source(tmp_path / "source", clips=2, frames=1, jittered=layout != "nsrd")
+    paths = import_capture(layout, export(layout, file, tmp_path / "capture"), tmp_path / "out", scale=2)
+    assert [DatasetFile(path).spec.frames for path in paths] == [1]
+    assert "clips of one frame, so the motion" in capsys.readouterr().out

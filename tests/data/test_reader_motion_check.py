@@ -99,3 +99,12 @@ def test_still_pictures_need_no_motion(change):
 @pytest.mark.parametrize("change", [unchanged, noise])
 def test_correct_motion_leaves_nothing_to_explain(change):
     assert check(change).count("\n") == 0
+
+
+def test_repeated_pictures_are_named():
+    def change(buffers, t):
+        if t == 3:
+            buffers["target"] = frame(2, 0, 2, JITTER[2], 1.0)["target"].astype(np.float32)
+
+    with pytest.raises(UserError, match=r"in clip, frame 3\) move otherwise .* seems to have dropped a frame"):
+        check(change)

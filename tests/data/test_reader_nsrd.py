@@ -12,6 +12,7 @@ from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.exporters.images import write_exr
 from supersampling.data.readers.importing import import_capture
+from supersampling.data.readers.nsrd import Nsrd
 from supersampling.errors import UserError
 
 
@@ -117,3 +118,36 @@ def test_broken_capture_is_error(capture, tmp_path, harm, message):
     with pytest.raises(UserError, match=message):
         import_capture("nsrd", capture, tmp_path / "out", scale=2)
     assert not list((tmp_path / "out").glob("*.h5"))
+
+
+@pytest.mark.parametrize(
+    ("parts", "line", "absent"),
+    [
+        (["X2/0/OCMV", "X2/1/OCMV"], "has no OCMV: imported without motion_dual.", {"motion_dual"}),
+        (["X2/0/Normal", "X2/1/Normal"], "has no Normal: imported without normal.", {"normal"}),
+        (
+            ["GT/0/BRDF", "GT/1/BRDF"],
+            "has no GT/<folder>/{Irradiance,BRDF,Emission_Sky}: imported without high_emission, high_material, ",
+            {"high_emission", "high_material", "target_radiance"},
+        ),
+    ],
+)
+def test_parts_that_no_clip_has_are_left_out(written, capture, tmp_path, capsys, parts, line, absent):
+    for part in parts:
+        shutil.rmtree(capture / "train" / part)
+    (path,) = import_capture("nsrd", capture, tmp_path / "out", scale=2)
+    assert line in capsys.readouterr().out
+    assert DatasetFile(path).buffers == Nsrd.buffers - absent
+    expected = DatasetFile(written[0]).read("target", 1, slice(None))
+    np.testing.assert_array_equal(DatasetFile(path).read("target", 1, slice(None)), expected)
+
+
+def test_infinite_depth_is_sky(written, capture, tmp_path):
+    for path in capture.rglob("Depth/*.exr"):
+        depth = planes(path, "R").copy()
+        depth[:2] = np.inf
+        OpenEXR.File({"type": OpenEXR.scanlineimage}, {"Z": depth[..., 0]}).write(str(path))
+    (path,) = import_capture("nsrd", capture, tmp_path / "out", scale=2)
+    depth, expected = (DatasetFile(p).read("depth", 1, slice(None)) for p in (path, written[0]))
+    assert (depth[:, :, :2] == 1.0).all()
+    np.testing.assert_array_equal(depth[:, :, 2:], expected[:, :, 2:])

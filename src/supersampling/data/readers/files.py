@@ -1,16 +1,17 @@
 """The files of a capture, checked: no path leaves the folder, no frame is missing, and JSON is valid."""
 
 import json
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from supersampling.errors import UserError
 
 MAX_JSON = 64 << 20  # bytes
-LARGEST = sys.float_info.max
+LARGEST = float(np.finfo(np.float32).max)
 FOREIGN = ("__MACOSX", "@eaDir")  # folders that archives and network storage add, beside hidden ones
 
 
@@ -145,7 +146,7 @@ def number(mapping: Any, key: str, path: Path) -> float:
         UserError: the value is missing or not a finite number; the message names the file and the key.
     """
     value = mapping.get(key) if isinstance(mapping, dict) else None
-    # Python reads integers of any size.
+    # Python reads numbers of any size.
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not -LARGEST <= value <= LARGEST:
         raise UserError(f"Invalid {key} in {path} ({str(value)[:40]!r}): write a finite number.")
     return float(value)

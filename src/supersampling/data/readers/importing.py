@@ -22,7 +22,7 @@ from supersampling.data.readers.jitter_check import check_jitter
 from supersampling.data.readers.layout import CaptureClip, Conventions, Layout
 from supersampling.data.readers.motion_check import ENOUGH, check_motion
 from supersampling.data.readers.nsrd import Nsrd
-from supersampling.data.readers.pairs import MOVING, SELECTED, extremes, select_pairs
+from supersampling.data.readers.pairs import MOVING, SELECTED, Pair, extremes, select_pairs
 from supersampling.data.readers.picture_check import check_pictures
 from supersampling.data.readers.qrisp import Qrisp
 from supersampling.data.spec import CaptureSpec
@@ -146,7 +146,8 @@ class ImportedFile:
         conventions, pairs = self._layout.conventions, select_pairs(self._clips)
         for line in self._layout.summary():
             print(line)
-        print(check_pictures(self._label, extremes(pairs), self._layout.recorded, overrides.depth))
+        shown = extremes(pairs) or [Pair(clip, 0, 0.0) for clip in self._clips[:SELECTED]]
+        print(check_pictures(self._label, shown, self._layout.recorded, overrides.depth))
         print(check_motion(self._label, pairs, conventions.motion, overrides.motion))
         if "color" in self._layout.buffers:
             print(check_jitter(self._label, pairs[:SELECTED], conventions.jitter, overrides.jitter))

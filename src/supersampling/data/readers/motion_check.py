@@ -158,7 +158,8 @@ def _check_pictures(label: str, pairs: Sequence[Pair], used: Convention, overrid
     worst, pair = max(zip(results, pairs), key=lambda item: item[0].share)
     still = all(pair.moving < ENOUGH for pair in pairs)
     place = f"{mean:.0%} of the pictures ({worst.share:.0%} in {pair.label})"
-    text = f"{label}: {place} move otherwise than recorded, by about {worst.pixels:.0f} pixels: {_cause(pairs, worst)}"
+    cause = _cause(pairs, worst, pair)
+    text = f"{label}: {place} move otherwise than recorded, by about {worst.pixels:.0f} pixels: {cause}"
     if not overridden and (mean > (MISSING_STILL if still else MISSING) or worst.share > MISSING_ONCE):
         raise UserError(
             f"{text}; if only water, shadows or similar content moves differently, import with convention={used.name}."
@@ -174,8 +175,11 @@ def _check_pictures(label: str, pairs: Sequence[Pair], used: Convention, overrid
     return lines
 
 
-def _cause(pairs: Sequence[Pair], worst: Unexplained) -> str:
+def _cause(pairs: Sequence[Pair], worst: Unexplained, pair: Pair) -> str:
+    """Return what seems to be wrong with the motion; ``pair`` is the pair with the ``worst`` result."""
     axis = zero_axis(pairs)
+    if np.array_equal(pair.read("target", before=True), pair.read("target")):
+        return "the target equals the one before, so the recorder seems to have dropped a frame"
     if not any(pair.read("motion").any() for pair in pairs):
         return "all motion is 0, so record the motion again"
     if axis:

@@ -41,7 +41,7 @@ def unexplained_motion(pair: Pair) -> Unexplained:
     warped = warp(pair.tensor("target", before=True).mean(dim=1, keepdim=True), motion)
     length = (motion * motion.new_tensor((size[1], size[0])).view(1, 2, 1, 1)).norm(dim=1, keepdim=True)
     largest, factor = Unexplained(0.0, 0.0, 0.0), 1
-    while min(size) >= SMALLEST * factor:
+    while min(size) >= (SMALLEST * factor if factor > 1 else BLOCK + 2 * REACH):
         planes = (warped, now, outside(motion).float(), (length < NO_MOTION).float())
         largest = max(largest, _level(*(F.avg_pool2d(plane, factor) for plane in planes), factor=factor))
         factor *= 2
