@@ -1,13 +1,11 @@
 """Textures of the game: resized to powers of two up to a limit, with transparent texels filled by the mean colour."""
 
-import struct
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from supersampling.errors import UserError
 from supersampling.scenes.scene import Texture
 
 LARGEST = 1024
@@ -20,19 +18,11 @@ def linear(srgb: NDArray[np.floating]) -> NDArray[np.float32]:
 
 
 def read_image(path: Path, alpha: bool, largest: int = LARGEST) -> Texture:
-    """Read ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; each side is the nearest power of two up to ``largest``.
-
-    Raises:
-        UserError: The file is not a readable image.
-    """
-    try:
-        with Image.open(path) as image:
-            # JPEG decodes to a half or a quarter at a quarter of the cost.
-            image.draft("RGB", (largest, largest))
-            whole = image.convert("RGBA")
-    except (OSError, SyntaxError, ValueError, struct.error, Image.DecompressionBombError) as error:
-        reason = str(error).splitlines()[0][:200]
-        raise UserError(f"{path.name} is not a readable image ({reason}): reinstall the SuperTuxKart data.") from error
+    """Read ``(H, W, 3)``, or ``(H, W, 4)`` with ``alpha``; each side is the nearest power of two up to ``largest``."""
+    with Image.open(path) as image:
+        # JPEG decodes to a half or a quarter at a quarter of the cost.
+        image.draft("RGB", (largest, largest))
+        whole = image.convert("RGBA")
     size = (_power_of_two(whole.width, largest), _power_of_two(whole.height, largest))
     # Resize bands one by one: resizing RGBA at once would turn the colour of transparent texels black.
     bands = [
