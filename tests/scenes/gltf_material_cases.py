@@ -138,6 +138,11 @@ def images(file: Builder, plain: Builder) -> None:
     _square(plain, pbrMetallicRoughness=_base(plain))
 
 
+@case("Images of more than 4096 pixels per side", Deviation.LARGE_IMAGES)
+def large_images(file: Builder) -> None:
+    _square(file, pbrMetallicRoughness=_base(file, np.zeros((1, 4098, 3), np.uint8)))
+
+
 @case("Textures without an image", Deviation.IMAGES)
 def no_image(file: Builder) -> None:
     _square(file, pbrMetallicRoughness={"baseColorTexture": {"index": file.add("textures", {})}})

@@ -24,6 +24,12 @@ def containers(file: Builder, plain: Builder) -> None:
     plain.node(mesh=plain.square())
 
 
+@case("Other versions than 2.0, also as `minVersion`", error="requires a reader of glTF 2.1 or newer")
+def versions(file: Builder) -> None:
+    file.node(mesh=file.square())
+    file.json["asset"] = {"version": "2.1", "minVersion": "2.1"}
+
+
 @case("Hierarchy of translations, rotations, scales and matrices, sheared ones as well")
 def hierarchy(file: Builder, plain: Builder) -> None:
     shear = np.array([[1.0, 0.5, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
@@ -106,6 +112,14 @@ def twice(file: Builder) -> None:
 def animated_matrix(file: Builder) -> None:
     node = file.node(mesh=file.square(), matrix=_rows(np.eye(4)))
     file.animate(node, "translation", [0.0, 1.0], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+
+
+@case("Skins whose joints are not in the scene", error="joint 0 of a skin of a.glb is no node of its scene")
+def outer_joints(file: Builder) -> None:
+    file.node()
+    file.add("skins", {"joints": [0]})
+    file.node(mesh=file.square(), skin=0)
+    file.json["scenes"] = [{"nodes": [1]}]
 
 
 @case("Animations of joints", Deviation.SKINS)

@@ -28,8 +28,16 @@ def test_what_is_no_gltf_file(tmp_path: Path) -> None:
         ("number.gltf", b'{"asset": {"version": "2.0"}, "scene": NaN}', "its JSON is invalid"),
         ("list.gltf", b"[1, 2]", "no asset"),
         ("empty.glb", b"", "its JSON is invalid"),
-        ("shapes.gltf", b'{"asset": {"version": "2.0"}, "nodes": [7]}', "not a valid glTF 2.0 file"),
-        ("words.gltf", b'{"asset": {"version": "2.0"}, "nodes": [{"mesh": "chair"}]}', "not a valid glTF 2.0 file"),
+        (
+            "shapes.gltf",
+            b'{"asset": {"version": "2.0"}, "nodes": [7]}',
+            r"Invalid nodes\[0\] of shapes.gltf: 7 is not an object",
+        ),
+        (
+            "words.gltf",
+            b'{"asset": {"version": "2.0"}, "nodes": [{"mesh": "chair"}]}',
+            r"Invalid nodes\[0\].mesh of words.gltf: \"chair\"",
+        ),
         ("deep.gltf", b'{"asset": {"version": "2.0"}, "extras": ' + b"[" * 100000, "its JSON is invalid"),
     ):
         (tmp_path / name).write_bytes(content)

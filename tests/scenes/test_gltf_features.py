@@ -87,11 +87,11 @@ def test_row(case: Case, tmp_path: Path) -> None:
         case.build(file)
         with pytest.warns(UserWarning, match=re.escape(case.warning)) as caught:
             load_gltf(file.glb(tmp_path / "a.glb"))
-        assert len(caught) == 1
+        assert [w.category for w in caught].count(UserWarning) == 1
         return
     case.build(file, plain)
     with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        warnings.simplefilter("error", UserWarning)
         check_same(load_gltf(file.glb(tmp_path / "a.glb")), load_gltf(plain.glb(tmp_path / "b.glb")))
 
 
@@ -128,7 +128,7 @@ def test_a_supported_extension_may_be_required(name: str, tmp_path: Path) -> Non
     file = square_file()
     file.json |= {"extensionsUsed": [name], "extensionsRequired": [name]}
     with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        warnings.simplefilter("error", UserWarning)
         load_gltf(file.glb(tmp_path / "a.glb"))
 
 

@@ -15,6 +15,7 @@ from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.notes import Notes
 
 Vector = NDArray[np.float64]
+FARTHEST = 1e12  # metres; beyond, single precision cannot separate vertices
 PATHS = {"translation": 3, "rotation": 4, "scale": 3}
 
 
@@ -155,9 +156,9 @@ def _curve(accessors: Accessors, times: Vector, sampler: Any, path: str, period:
         raise UserError(f"Unknown interpolation {kind} of {what}: use LINEAR, STEP or CUBICSPLINE.")
     values = accessors.floats(sampler.output, PATHS[path]).astype(np.float64)
     per_key = 3 if kind == "CUBICSPLINE" else 1
-    if len(values) != per_key * len(times) or not np.isfinite(values).all():
+    if len(values) != per_key * len(times) or not (np.abs(values) < FARTHEST).all():
         raise UserError(
-            f"A {path} of {what} has {len(values)} values for {len(times)} keys, or some that are not finite: "
+            f"A {path} of {what} has {len(values)} values for {len(times)} keys, or some above {FARTHEST:.0e}: "
             "the file is broken, export it again."
         )
     if kind == "CUBICSPLINE":

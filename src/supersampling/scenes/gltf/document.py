@@ -18,6 +18,7 @@ from pygltflib import GLTF2
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.features import SUPPORTED
+from supersampling.scenes.gltf.schema import check_types
 
 _MAGIC, _JSON, _BIN = b"glTF", 0x4E4F534A, 0x004E4942
 _LARGEST = 1 << 32  # bytes of a file that is read
@@ -52,6 +53,7 @@ class Document:
                 f"{self.name} requires the unsupported glTF extension {unknown[0]}: export it without "
                 f"(supported: {', '.join(sorted(SUPPORTED))})."
             )
+        check_types(head, self.name)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)  # about null where a value is expected, which reads as none
             self.gltf: Any = GLTF2.from_json(text, infer_missing=True)
@@ -60,10 +62,10 @@ class Document:
         self.extensions: dict[str, Any] = head.get("extensions") or {}
         self._head = head
 
-    def item(self, kind: str, index: int) -> Any:
+    def item(self, kind: str, index: int | None) -> Any:
         """Return ``gltf.<kind>[index]``, or raise `UserError` if it does not exist."""
         items = getattr(self.gltf, kind)
-        if not 0 <= index < len(items):
+        if index is None or not 0 <= index < len(items):
             raise UserError(
                 f"{self.name} refers to {kind}[{index}] but has {len(items)} {kind}: "
                 "the file is broken, export it again."
@@ -175,8 +177,11 @@ def _head(text: str, name: str) -> dict[str, Any]:
 
 def _check_version(head: dict[str, Any], name: str) -> None:
     version = str(head["asset"].get("version"))
+    least = str(head["asset"].get("minVersion", "2.0"))
     if not re.fullmatch(r"2\.\d+", version):
         raise UserError(f"{name} is glTF of unsupported version {version}: export it as glTF 2.0.")
+    if least != "2.0":
+        raise UserError(f"{name} requires a reader of glTF {least} or newer: export it as glTF 2.0.")
 
 
 def _decode_data_uri(uri: str, what: str, name: str) -> bytes:

@@ -16,6 +16,7 @@ class Deviation(StrEnum):
     NO_COORDINATES = "textures whose texture coordinates are missing show a single texel"
     COORDINATES = "textures with other coordinates than their material's first are left out"
     SAMPLERS = "textures with another sampler than their material's first use the first's filters and wrapping"
+    LARGE_IMAGES = "images of more than 4096 pixels per side are halved until they fit"
     IMAGES = "textures without a PNG or JPEG image are left out"
     BLENDING = "blending is drawn as a test at half opacity"
     OCCLUSION = "occlusion maps are left out"

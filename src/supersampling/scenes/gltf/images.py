@@ -22,6 +22,7 @@ class Images:
     def __init__(self, document: Document) -> None:
         self._document = document
         self.rgba, self.rgb = cache(self._read_rgba), cache(self._read_rgb)
+        self.encoded = self._bytes
 
     def _read_rgba(self, index: int) -> Texture:
         """Return ``(H, W, 4)`` uint8, as stored."""

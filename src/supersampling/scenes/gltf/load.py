@@ -5,7 +5,7 @@ unlit and emissive materials, punctual lights, perspective cameras, and the repe
 targets at rest. `features` lists what is drawn otherwise than the file says, with the warning for each.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.accessors import Accessors
-from supersampling.scenes.gltf.animation import read_keyframes
+from supersampling.scenes.gltf.animation import FARTHEST, read_keyframes
 from supersampling.scenes.gltf.document import MALFORMED, Document, malformed
 from supersampling.scenes.gltf.features import SUPPORTED, Deviation
 from supersampling.scenes.gltf.lights import PunctualLight, read_lights, scene_lights
@@ -29,7 +29,6 @@ from supersampling.scenes.scene import Object, Scene
 # Radii in metres that walking speeds, shadow maps and near planes are designed for; other sizes are scaled to them.
 _SMALLEST, _LARGEST = 0.5, 100.0
 _NEAREST = 1e-6  # metres; a survey takes smaller geometry, a single point, for this large
-_FARTHEST = 1e12  # metres; beyond, single precision cannot separate vertices
 
 
 def load_gltf(path: Path) -> Scene:
@@ -59,7 +58,7 @@ def _load(path: Path) -> Scene:
     if not instances:
         raise UserError(f"The default scene of {path.name} has no triangles: add meshes to it.")
     geometry = survey(meshes.meshes, instances)
-    if not _NEAREST < geometry.radius < _FARTHEST:
+    if not _NEAREST < geometry.radius < FARTHEST:
         raise UserError(
             f"The geometry of {path.name} spans {2.0 * geometry.radius:.3g} m: check its nodes' transforms."
         )
@@ -101,7 +100,7 @@ def _instances(
             continue
         if node.skin is not None:
             skin = document.item("skins", node.skin)
-            joints = [placed[joint] for joint in skin.joints]
+            joints = [_joint(document, placed, joint) for joint in skin.joints]
             if any(joint.transform.moves for joint in joints):
                 notes.add(Deviation.SKINS)
             numbers = meshes.skinned(node.mesh, item.weights, _joint_matrices(accessors, skin, joints))
@@ -114,6 +113,12 @@ def _instances(
         if numbers:
             instances.append((numbers, transform))
     return instances
+
+
+def _joint(document: Document, placed: Mapping[int, SceneNode], index: int) -> SceneNode:
+    if index not in placed:
+        raise UserError(f"The joint {index} of a skin of {document.name} is no node of its scene: export it again.")
+    return placed[index]
 
 
 def _joint_matrices(accessors: Accessors, skin: Any, joints: Sequence[SceneNode]) -> Matrix:

@@ -3,10 +3,12 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from io import BytesIO
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.coordinates import Coordinates, Sampler, coordinates, read_sampler
@@ -95,7 +97,10 @@ class MaterialReader:
         return replace(material, glow=glow, emission=_triple(np.minimum(emission, _BRIGHTEST)))
 
     def _read_image(self, index: int, alpha: bool, sampler: Sampler) -> Texture:
-        return sampler.extended(self._images.rgba(index) if alpha else self._images.rgb(index))
+        image = self._images.rgba(index) if alpha else self._images.rgb(index)
+        if max(Image.open(BytesIO(self._images.encoded(index))).size) > max(image.shape[:2]):
+            self._notes.add(Deviation.LARGE_IMAGES)
+        return sampler.extended(image)
 
     def _factors(self, index: int, values: list[float]) -> tuple[NDArray[np.float64], float]:
         numbers = np.array([float(v) for v in values])

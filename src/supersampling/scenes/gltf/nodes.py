@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.errors import UserError
-from supersampling.scenes.gltf.animation import Keyframes, Vector, local_matrix, moving_matrix
+from supersampling.scenes.gltf.animation import FARTHEST, Keyframes, Vector, local_matrix, moving_matrix
 from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.notes import Notes
@@ -93,6 +93,11 @@ def scene_nodes(document: Document, curves: Mapping[int, Mapping[str, Keyframes]
         seen.add(index)
         local, moving = _local(document, index, curves.get(index, {}))
         transform, rest = transform.then(local if moving is None else moving), rest @ local
+        if not np.abs(rest).max() < FARTHEST:
+            raise UserError(
+                f"Node {index} of {document.name} is farther than {FARTHEST:.0e} m from the origin, or as large: "
+                "check its transform and those of its parents."
+            )
         nodes.append(SceneNode(index, node, transform, rest, document.weights(index)))
         waiting += [(child, transform, rest) for child in reversed(node.children or [])]
     if not document.gltf.scenes and len(seen) < count:
@@ -138,6 +143,8 @@ def _local(
 
 def _numbers(document: Document, index: int, what: str, values: list[float], count: int) -> Vector:
     numbers = np.array([float(v) for v in values])
-    if numbers.shape != (count,) or not np.isfinite(numbers).all():
-        raise UserError(f"Invalid {what} {values} of node {index} of {document.name}: use {count} finite numbers.")
+    if numbers.shape != (count,) or not (np.abs(numbers) < FARTHEST).all():
+        raise UserError(
+            f"Invalid {what} {values} of node {index} of {document.name}: use {count} numbers below {FARTHEST:.0e}."
+        )
     return numbers

@@ -102,7 +102,7 @@ def _buffer(
     front, back, colors = _vertices(reader, vertices, np.dtype(head), np.dtype(tail), bool(flags & _COLOURS))
     # Vertex counts up to 255 have byte indices.
     triangles = reader.array("<u2" if vertices > 255 else "u1", indices).astype(np.uint32).reshape(-1, 3)
-    if triangles.max(initial=0) >= max(vertices, 1):
+    if triangles.size and triangles.max() >= vertices:
         raise ValueError(f"its indices reach vertex {triangles.max()} of {vertices}")
     positions = np.ascontiguousarray(front["position"], dtype=np.float32)
     if not (np.abs(positions) < _FARTHEST).all():
