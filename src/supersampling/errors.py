@@ -28,6 +28,7 @@ _SYSTEM = {
     errno.EIO: "The disk reports an error for {file} (input/output error): check the disk and its connection, and copy "
     "the file to another one.",
     errno.ESTALE: "{file} has vanished from its network file system while it was open: run the same command again.",
+    errno.ENOLCK: "{file} is on a file system without locks: use a folder on another one.",
     errno.ELOOP: "{file} is a link that leads to itself: correct the link.",
     errno.ENAMETOOLONG: "The name {file} is too long for the file system: use a shorter one.",
     errno.ENOTDIR: "{file} does not exist, because a folder in its path is a file: correct the path.",

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import pickle
 import resource
 import shutil
 import subprocess
@@ -284,6 +285,28 @@ def test_a_file_that_is_replaced_while_it_is_open(files, path, tmp_path):
     path.unlink()
     with pytest.raises(UserError, match=r"copy\.h5 not found"):
         store.read("color", 1, slice(0, 4))
+
+
+def test_an_open_file_can_be_sent_to_another_process(path):
+    store = DatasetFile(path)
+    copy = pickle.loads(pickle.dumps(store))
+    np.testing.assert_array_equal(copy.read("color", 1, slice(None)), store.read("color", 1, slice(None)))
+
+
+def test_missing_buffer_is_named(path):
+    with pytest.raises(UserError, match=r"copy\.h5 has no albedo: render or import it with buffers=\[albedo\]"):
+        DatasetFile(path).read("albedo", 0, slice(0, 1))
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of h5py, which closes the file
+def test_a_limit_of_file_sizes_is_named(tmp_path):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    try:
+        with pytest.raises(UserError, match=r"part0\.h5 would be larger than .* the limit of ulimit -f allows"):
+            make_source(tmp_path / "large")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_few_files_are_open_at_once(files, tmp_path):

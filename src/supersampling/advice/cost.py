@@ -13,6 +13,7 @@ from typing import Any
 import lightning as L
 import torch
 
+from supersampling.files import replace_file
 from supersampling.frames import BUFFERS
 from supersampling.models.base import Upsampler
 from supersampling.profiling.backends import Eager, LoadOptions
@@ -88,7 +89,7 @@ class TimeCache:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._known: dict[str, Any] = json.loads(path.read_text()) if path.is_file() else {}
+        self._known = _read_times(path)
 
     def times(self, keys: Sequence[str], models: Sequence[Upsampler], size: Size, frames: int) -> list[FrameTime]:
         """Return the times of all models: from the file if one command measured all of them, otherwise measured now."""
@@ -96,8 +97,21 @@ class TimeCache:
             times = measure_frame_times(models, size, frames)
             self._known = {key: asdict(time) for key, time in zip(keys, times)}
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            self._path.write_text(json.dumps(self._known, indent=1))
+            temporary = self._path.with_name(f"{self._path.name}.part")
+            temporary.write_text(json.dumps(self._known, indent=1))
+            replace_file(temporary, self._path)
         return [FrameTime(**self._known[key]) for key in keys]
+
+
+def _read_times(path: Path) -> dict[str, Any]:
+    """Return the times in a file; none if it is missing or broken, because they can be measured again."""
+    try:
+        content = json.loads(path.read_text()) if path.is_file() else {}
+        for entry in content.values():
+            FrameTime(**entry)
+    except (ValueError, TypeError, AttributeError):
+        return {}
+    return dict(content)
 
 
 def count_bytes(name: str, size: Size, scale: int) -> int:

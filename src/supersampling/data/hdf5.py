@@ -65,6 +65,8 @@ def explain(path: Path, error: Exception, part: str) -> UserError:
     condition = describe_system_error(OSError(code, os.strerror(code)), path) if code else None
     if condition is not None:
         return condition
+    if not path.exists():
+        return UserError(f"{path} was removed by another process while it was read: run the same command again.")
     reason = f"{path} {_damage(path, error, part)}"
     return DamagedFile(f"{reason}: {RESTORE}.", reason)
 
@@ -104,6 +106,8 @@ def _is_locked(path: Path) -> bool:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:
             return True
+        except OSError:  # a file system without locks
+            return False
     return False
 
 

@@ -9,7 +9,7 @@ import errno
 import hashlib
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import product
 from pathlib import Path
 from types import TracebackType
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from supersampling.data.content import DIGEST, digest_of_attributes, read_text, write_text
 from supersampling.data.dataset_file import describe
-from supersampling.data.hdf5 import MissingFile, errno_of, open_hdf5, reading
+from supersampling.data.hdf5 import HDF5_ERRORS, MissingFile, errno_of, open_hdf5, reading
 from supersampling.data.spec import CaptureSpec
 from supersampling.errors import DamagedFile, UserError, describe_system_error
 from supersampling.files import replace_file
@@ -113,10 +113,9 @@ class ClipWriter:
         if error is None:
             self.close()
             return
-        try:
+        with suppress(*HDF5_ERRORS):  # of a full disk, which is reported already
             self._file.close()
-        finally:
-            self._temporary.unlink(missing_ok=True)
+        self._temporary.unlink(missing_ok=True)
 
 
 def _storage(frame: tuple[int, ...], dtype: np.dtype) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from supersampling import __version__
 from supersampling.deploy.graph import IMAGE, OPSET, Axis, Graphs
-from supersampling.deploy.runner import sidecar
+from supersampling.deploy.runner import digest, sidecar
 from supersampling.frames import BUFFERS, Buffer
 from supersampling.models.base import Upsampler
 
@@ -39,6 +39,7 @@ def write(
     if graphs.state:
         graphs.first.save(str(first))
     description = describe(model, graphs, (first.name, path.name), jitter or {}, origin or {})
+    description["digests"] = {file.name: digest(file) for file in sorted({first, path})}
     sidecar(path).write_text(json.dumps(description, indent=2) + "\n")
     return sorted({path, first, sidecar(path)})
 

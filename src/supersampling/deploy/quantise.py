@@ -15,7 +15,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from supersampling.deploy.check import arrays, buffers
-from supersampling.deploy.runner import Runner, sidecar
+from supersampling.deploy.runner import Runner, digest, sidecar
 from supersampling.deploy.runtimes import OpenVINO, openvino_core
 from supersampling.errors import UserError
 from supersampling.frames import BUFFERS, Frame
@@ -105,6 +105,8 @@ def quantise(path: Path, clips: Iterable[Iterable[Frame]]) -> Path:
     out = path.with_suffix(".int8.xml")
     openvino.save_model(model, out, compress_to_fp16=False)
     description["graphs"]["next"] = out.name
+    files = {path.parent / description["graphs"]["first"], out, out.with_suffix(".bin")}
+    description["digests"] = {file.name: digest(file) for file in sorted(files)}
     sidecar(out).write_text(json.dumps({**description, "precision": "int8"}, indent=2) + "\n")
     return out
 

@@ -1,5 +1,6 @@
 """Runner of an exported method, frame by frame, outside of PyTorch."""
 
+import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,12 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.deploy.runtimes import Runtime
-from supersampling.errors import UserError
+from supersampling.errors import UserError, describe_system_error
 
 
 def sidecar(path: Path) -> Path:
     """Return the path of the description of an exported ``FILE.onnx``: ``FILE.json``."""
     return path.with_suffix(".json")
+
+
+def digest(path: Path) -> str:
+    """Return 64 hex digits of a file's content: ONNX has no checksum, so that damage could change weights unseen."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 class Runner:
@@ -24,20 +31,28 @@ class Runner:
     The image is ``(1, 3, H, W)``, display-referred in [0, 1].
 
     Raises:
-        UserError: the file, its description or a buffer is missing, or the graph does not take a size.
+        UserError: the file, its description or a buffer is missing, the file is not as it was written, or the graph
+            does not take a size.
     """
 
     def __init__(self, path: Path, runtime: Runtime) -> None:
         try:
             self.description: dict[str, Any] = json.loads(sidecar(path).read_text())
             graphs = {role: path.parent / name for role, name in self.description["graphs"].items()}
-        except (OSError, ValueError, KeyError) as error:
-            raise UserError(
+            digests = dict(self.description.get("digests", {}))
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            condition = describe_system_error(error, sidecar(path)) if isinstance(error, OSError) else None
+            raise condition or UserError(
                 f"The description {sidecar(path)} of {path} is missing or broken: write both again with export.py."
             ) from error
-        for graph in graphs.values():
+        for graph in {*graphs.values(), *(path.parent / name for name in digests)}:
             if not graph.is_file():
                 raise UserError(f"Graph file {graph} not found: keep the files that export.py writes in one folder.")
+            if digests.get(graph.name) not in (None, digest(graph)):
+                raise UserError(
+                    f"Graph file {graph} is not as export.py wrote it: write it again, or remove digests from "
+                    f"{sidecar(path)} if you changed the graph yourself."
+                )
         loaded = {graph: runtime.load(graph) for graph in set(graphs.values())}
         self._first, self._next = loaded[graphs["first"]], loaded[graphs["next"]]
         self._inputs: list[str] = [i["name"] for i in self.description["inputs"]]

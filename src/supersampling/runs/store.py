@@ -136,7 +136,7 @@ class Store:
             try:
                 parquet = run_id in files
                 tables[run_id] = getattr(scores.read_scores(path), level) if parquet else _read_table(path)
-            except (UserError, ValueError, KeyError) as error:
+            except (UserError, ValueError, KeyError, TypeError) as error:
                 self.note(run_id, f"{path.name} cannot be read ({_first_line(error)})")
             if path.is_relative_to(self.folder):  # a copy
                 path.unlink()
@@ -163,7 +163,7 @@ class Store:
             try:
                 raw: dict[str, Any] = json.loads(files[run.id].read_text(encoding="utf-8"))
                 tables.append((run, pd.DataFrame(raw["data"], columns=raw["columns"])))
-            except (ValueError, KeyError) as error:
+            except (ValueError, KeyError, TypeError) as error:
                 self.note(run.id, f"{name} cannot be read ({_first_line(error)})")
         return tables
 

@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 from supersampling.errors import UserError
+from supersampling.files import replace_file
 
 FOLDER = Path(__file__).parent
 SOURCES = sorted(FOLDER.glob("*.cpp"))
@@ -35,7 +36,11 @@ def load_library() -> ctypes.CDLL:
     path = _cache_folder() / f"{_fingerprint(compiler)}.so"
     if not path.is_file():
         _compile(compiler, path)
-    return ctypes.CDLL(str(path))
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError:  # a crash left a part of it
+        _compile(compiler, path)
+        return ctypes.CDLL(str(path))
 
 
 def _cache_folder() -> Path:
@@ -61,4 +66,4 @@ def _compile(compiler: str, path: Path) -> None:
                 f"{compiler} cannot compile {FOLDER.name}/*.cpp ({first.strip()}): set CXX to g++ 12 or later, or use "
                 "another backend."
             )
-        os.replace(out, path)
+        replace_file(out, path)
