@@ -205,6 +205,17 @@ def test_values_that_are_no_numbers_are_counted(path, value):
         read_exr(path, SIZE, ("RGB",))
 
 
+def test_infinity_is_read_where_it_is_permitted(path):
+    image = IMAGE.copy()
+    image[3, 4, 1] = np.inf
+    write(path, planes(image))
+    np.testing.assert_array_equal(read_exr(path, SIZE, ("RGB",), infinite=True), image)
+    image[3, 4, 0] = np.nan
+    write(path, planes(image))
+    with pytest.raises(UserError, match="has 1 values that are NaN or Inf"):
+        read_exr(path, SIZE, ("RGB",), infinite=True)
+
+
 ACES_CG = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
 REC_709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
 

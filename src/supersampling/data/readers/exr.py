@@ -37,18 +37,19 @@ def exr_size(path: Path, choices: Sequence[str] = COLORS) -> tuple[int, int]:
     return ExrImage(path, choices).size
 
 
-def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str]) -> Image:
+def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str], infinite: bool = False) -> Image:
     """Return channels of an EXR image, ``(h, w, len(choice))``.
 
-    ``choices`` are sets of channel names such as ``("RG", "XY")``, of which the file must have one.
+    ``choices`` are sets of channel names such as ``("RG", "XY")``, of which the file must have one; ``infinite``
+    permits infinity, which some renderers write as the depth of the sky.
 
     Raises:
         UserError: the file is missing, damaged, deep, not of ``size (width, height)``, or without the channels; several
             layers or parts have them; they do not cover the image, are stored at a lower resolution, or have NaN, Inf
-            or integers that 32-bit floats do not represent.
+            (unless permitted) or integers that 32-bit floats do not represent.
     """
     image = ExrImage(path, choices)
-    return image.read(image.layer.choice, size)
+    return image.read(image.layer.choice, size, infinite)
 
 
 def read_exr_colors(path: Path, size: tuple[int, int]) -> Image:
@@ -95,7 +96,7 @@ class ExrImage:
         """Return whether the layer has a channel."""
         return self.layer.prefix + name in self._part.sampling
 
-    def read(self, names: str, size: tuple[int, int]) -> Image:
+    def read(self, names: str, size: tuple[int, int], infinite: bool = False) -> Image:
         """Return channels of the layer, ``(h, w, C)``, of an image of this size."""
         check_size(self.path, *self.size, size)
         (width, height), data, display = size, self._part.data, self._part.display
@@ -107,7 +108,7 @@ class ExrImage:
             image[..., k] = plane
             if plane.dtype.kind == "u" and (image[..., k].astype(np.float64) != plane).any():
                 raise UserError(f"{self.path} has integers above {1 << 24} in {names[k]}: export 32-bit floats.")
-        broken = int((~np.isfinite(image)).sum())
+        broken = int((np.isnan(image) if infinite else ~np.isfinite(image)).sum())
         if broken:
             raise UserError(f"{self.path} has {broken} values that are NaN or Inf: export this frame again.")
         return image

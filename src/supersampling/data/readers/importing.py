@@ -29,7 +29,7 @@ from supersampling.errors import UserError
 LAYOUTS: dict[str, type[Layout]] = {"qrisp": Qrisp, "nsrd": Nsrd, "arm": Arm}
 RECORDED = "recorded"
 _POLL = 0.2  # seconds
-READER_VERSION = 1
+READER_VERSION = 2
 """Increase it when the readers produce different content from the same capture."""
 
 
