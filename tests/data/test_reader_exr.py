@@ -1,5 +1,7 @@
 """EXR images of captures and frames: layers, parts, windows and types, read exactly or refused by name."""
 
+import struct
+
 import numpy as np
 import OpenEXR
 import pytest
@@ -186,6 +188,43 @@ def test_tiles_are_exact(path):
     tiles = OpenEXR.TileDescription()
     tiles.xSize, tiles.ySize = 7, 5
     write(path, planes(IMAGE), type=OpenEXR.tiledimage, tiles=tiles)
+    np.testing.assert_array_equal(read_exr(path, SIZE, ("RGB",)), IMAGE)
+
+
+def attribute(name, kind, content):
+    return name + b"\0" + kind + b"\0" + struct.pack("<i", len(content)) + content
+
+
+def mipmap(images, tile):
+    """Encode the levels of an image, after the format's file layout; the library writes the first level only."""
+    height, width, _ = images[0].shape
+    names = b"".join(name + b"\0" + struct.pack("<4i", 2, 0, 1, 1) for name in (b"B", b"G", b"R")) + b"\0"
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    one = struct.pack("<f", 1.0)
+    attributes = (
+        *((b"channels", b"chlist", names), (b"compression", b"compression", b"\0"), (b"dataWindow", b"box2i", box)),
+        *(
+            (b"displayWindow", b"box2i", box),
+            (b"lineOrder", b"lineOrder", b"\0"),
+            (b"screenWindowWidth", b"float", one),
+        ),
+        *((b"pixelAspectRatio", b"float", one), (b"screenWindowCenter", b"v2f", bytes(8))),
+        (b"tiles", b"tiledesc", struct.pack("<IIB", tile, tile, 1)),
+    )
+    head = struct.pack("<ii", 20000630, 0x202) + b"".join(attribute(*item) for item in attributes) + b"\0"
+    chunks = []
+    for level, image in enumerate(images):
+        for y, x in np.ndindex(-(-image.shape[0] // tile), -(-image.shape[1] // tile)):
+            block = image[y * tile : (y + 1) * tile, x * tile : (x + 1) * tile, ::-1]
+            content = np.ascontiguousarray(block.transpose(0, 2, 1)).tobytes()
+            chunks.append(struct.pack("<5i", x, y, level, level, len(content)) + content)
+    places = len(head) + 8 * len(chunks) + np.cumsum([0, *map(len, chunks[:-1])])
+    return head + places.astype("<u8").tobytes() + b"".join(chunks)
+
+
+def test_largest_level_of_a_mipmap_is_read(path):
+    levels = [IMAGE, *(RNG.random((h, w, 3)).astype(np.float32) for h, w in ((6, 10), (3, 5), (1, 2), (1, 1)))]
+    path.write_bytes(mipmap(levels, 8))
     np.testing.assert_array_equal(read_exr(path, SIZE, ("RGB",)), IMAGE)
 
 
