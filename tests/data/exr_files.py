@@ -1,5 +1,6 @@
 """EXR files of random parts, layers, windows, types and compressions, and what they contain."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ EXACT = [
     for name in ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "HTJ2K32", "HTJ2K256", "ZSTD")
     if hasattr(OpenEXR, f"{name}_COMPRESSION")
 ]
+LOSSY = [getattr(OpenEXR, f"{name}_COMPRESSION") for name in ("PXR24", "B44", "B44A", "DWAA", "DWAB")]
 
 
 class Content(NamedTuple):
@@ -27,7 +29,7 @@ class Content(NamedTuple):
     """Part and name of the channels that are stored at half of the resolution."""
 
 
-def random_exr(path: Path, rng: np.random.Generator) -> Content:
+def random_exr(path: Path, rng: np.random.Generator, compressions: Sequence[OpenEXR.Compression] = EXACT) -> Content:
     """Write a small file and return what it contains."""
     left, top = (int(n) for n in rng.integers(-3, 4, 2) * rng.integers(0, 2))
     display = (left, top, left + SIZE[0] - 1, top + SIZE[1] - 1)
@@ -42,7 +44,7 @@ def random_exr(path: Path, rng: np.random.Generator) -> Content:
         planes = _channels(rng, (data[3] - data[1] + 1, data[2] - data[0] + 1))
         header = {
             "type": OpenEXR.scanlineimage,
-            "compression": EXACT[rng.integers(len(EXACT))],
+            "compression": compressions[rng.integers(len(compressions))],
             "lineOrder": [OpenEXR.INCREASING_Y, OpenEXR.DECREASING_Y][rng.integers(2)],
             "dataWindow": _window(data),
             "displayWindow": _window(display),

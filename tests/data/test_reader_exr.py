@@ -167,44 +167,6 @@ def test_deep_image_is_refused(path):
         read_exr(path, SIZE, ("RGB",))
 
 
-EXACT = ("NO", "RLE", "ZIPS", "ZIP", "PIZ", "HTJ2K32", "HTJ2K256", "ZSTD")
-
-
-@pytest.mark.parametrize("order", [OpenEXR.INCREASING_Y, OpenEXR.DECREASING_Y])
-@pytest.mark.parametrize("name", [n for n in EXACT if hasattr(OpenEXR, f"{n}_COMPRESSION")])
-def test_mixed_types_are_exact_in_lossless_compressions(path, name, order):
-    light = np.ldexp(IMAGE[..., 0], RNG.integers(-120, 120, IMAGE.shape[:2])).astype(np.float32)
-    half = (60000.0 * IMAGE[..., 1]).astype(np.float16)
-    whole = RNG.integers(0, 1 << 24, light.shape).astype(np.uint32)
-    compression = getattr(OpenEXR, f"{name}_COMPRESSION")
-    write(path, {"R": light, "G": half, "B": whole}, compression=compression, lineOrder=order)
-    expected = np.stack([light, half.astype(np.float32), whole.astype(np.float32)], axis=-1)
-    np.testing.assert_array_equal(read_exr(path, SIZE, ("RGB",)), expected)
-
-
-def test_tiles_are_exact(path):
-    tiles = OpenEXR.TileDescription()
-    tiles.xSize, tiles.ySize = 7, 5
-    write(path, planes(IMAGE), type=OpenEXR.tiledimage, tiles=tiles)
-    np.testing.assert_array_equal(read_exr(path, SIZE, ("RGB",)), IMAGE)
-
-
-def test_integers_beyond_float32_are_refused(path):
-    numbers = np.full((SIZE[1], SIZE[0]), (1 << 24) + 1, dtype=np.uint32)
-    write(path, {"Z": numbers})
-    with pytest.raises(UserError, match="has integers above 16777216 in Z: export 32-bit floats"):
-        read_exr(path, SIZE, ("Z",))
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_values_that_are_no_numbers_are_counted(path, value):
-    image = IMAGE.copy()
-    image[3, 4, 1] = value
-    write(path, planes(image))
-    with pytest.raises(UserError, match="has 1 values that are NaN or Inf"):
-        read_exr(path, SIZE, ("RGB",))
-
-
 ACES_CG = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
 REC_709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from exr_files import SIZE, random_exr
+from exr_files import EXACT, LOSSY, SIZE, random_exr
 from png_files import SIGNATURE, chunk, png_bytes
 
 from supersampling.errors import UserError
@@ -69,7 +69,7 @@ def read_exr_file(path: Path, rng: Rng) -> None:
     """Read a damaged file: an error, or finite values of the right shape; the format has no checksums."""
     from supersampling.data.readers.exr import exr_size, read_exr, read_opaque_exr
 
-    random_exr(path, rng)
+    random_exr(path, rng, EXACT + LOSSY)
     path.write_bytes(mutate(path.read_bytes(), rng))
     reads: tuple[Callable[[], object], ...] = (
         lambda: exr_size(path),

@@ -3,12 +3,11 @@
 The image is the file's display window. Of several layers in one part, the layer without a name is the image.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supersampling.data.readers.exr_file import Part, read_channels, read_parts
 from supersampling.data.readers.images import Image, check_size
@@ -21,13 +20,6 @@ OPAQUE = 1.0 - 2.0**-11
 REC_709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
 """Chromaticities of red, green, blue and white, which also hold for files that state none."""
 REC_709_NAMES = ("lin_rec709_scene", "lin_rec709_display", "data", "unknown", "")
-
-
-Predicate = Callable[[Image], NDArray[np.bool_]]
-
-
-def not_finite(image: Image) -> NDArray[np.bool_]:
-    return ~np.isfinite(image)
 
 
 class Layer(NamedTuple):
@@ -45,24 +37,19 @@ def exr_size(path: Path, choices: Sequence[str] = COLORS) -> tuple[int, int]:
     return ExrImage(path, choices).size
 
 
-def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str]) -> Image:
+def read_exr(path: Path, size: tuple[int, int], choices: Sequence[str], infinite: bool = False) -> Image:
     """Return channels of an EXR image, ``(h, w, len(choice))``.
 
-    ``choices`` are sets of channel names such as ``("RG", "XY")``, of which the file must have one.
+    ``choices`` are sets of channel names such as ``("RG", "XY")``, of which the file must have one; ``infinite``
+    permits infinity, which some renderers write as the depth of the sky.
 
     Raises:
         UserError: the file is missing, damaged, deep, not of ``size (width, height)``, or without the channels; several
             layers or parts have them; they do not cover the image, are stored at a lower resolution, or have NaN, Inf
-            or integers that 32-bit floats do not represent.
+            (unless permitted) or integers that 32-bit floats do not represent.
     """
     image = ExrImage(path, choices)
-    return image.read(image.layer.choice, size)
-
-
-def read_exr_depth(path: Path, size: tuple[int, int], choices: Sequence[str]) -> Image:
-    """Return a depth ``(h, w, 1)``, which may be infinite, as some renderers write the sky. Errors as in `read_exr`."""
-    image = ExrImage(path, choices)
-    return image.read(image.layer.choice, size, invalid=np.isnan)
+    return image.read(image.layer.choice, size, infinite)
 
 
 def read_exr_colors(path: Path, size: tuple[int, int]) -> Image:
@@ -109,8 +96,8 @@ class ExrImage:
         """Return whether the layer has a channel."""
         return self.layer.prefix + name in self._part.sampling
 
-    def read(self, names: str, size: tuple[int, int], invalid: Predicate = not_finite) -> Image:
-        """Return channels of the layer, ``(h, w, C)``, of an image of this size without values that are ``invalid``."""
+    def read(self, names: str, size: tuple[int, int], infinite: bool = False) -> Image:
+        """Return channels of the layer, ``(h, w, C)``, of an image of this size."""
         check_size(self.path, *self.size, size)
         (width, height), data, display = size, self._part.data, self._part.display
         left, top = display.left - data.left, display.top - data.top
@@ -121,7 +108,7 @@ class ExrImage:
             image[..., k] = plane
             if plane.dtype.kind == "u" and (image[..., k].astype(np.float64) != plane).any():
                 raise UserError(f"{self.path} has integers above {1 << 24} in {names[k]}: export 32-bit floats.")
-        broken = int(invalid(image).sum())
+        broken = int((np.isnan(image) if infinite else ~np.isfinite(image)).sum())
         if broken:
             raise UserError(f"{self.path} has {broken} values that are NaN or Inf: export this frame again.")
         return image

@@ -71,6 +71,8 @@ def read_channels(path: Path, part: int, names: Sequence[str]) -> list[NDArray[A
     def read() -> list[NDArray[Any]]:
         # The library leaves out parts that it cannot read: their place in the list is not their number.
         parts = {item.part_index: item for item in OpenEXR.File(str(path), separate_channels=True).parts}
+        if part not in parts:
+            raise UserError(f"{path} is truncated or damaged (part {part} cannot be read): restore it.")
         channels = parts[part].channels
         return [channels[name].pixels for name in names]
 

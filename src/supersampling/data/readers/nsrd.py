@@ -19,7 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 from supersampling.data.readers.conventions import Convention
-from supersampling.data.readers.exr import read_exr, read_exr_colors, read_exr_depth
+from supersampling.data.readers.exr import read_exr, read_exr_colors
 from supersampling.data.readers.files import Root, frame_numbers
 from supersampling.data.readers.images import Image
 from supersampling.data.readers.layout import CaptureClip, Conventions, Layout
@@ -149,7 +149,7 @@ class NsrdClip(CaptureClip):
     def stored_depth(self, t: int) -> tuple[Path, Image]:
         """Return the file and its depth as captured, ``(h, w, 1)``."""
         path = self._streams["depth"][self._numbers[t]]
-        return path, read_exr_depth(path, self._low_size, ("R", "Y", "Z"))
+        return path, read_exr(path, self._low_size, ("R", "Y", "Z"), infinite=True)
 
     def read(self, t: int, names: frozenset[str]) -> dict[str, Image]:
         paths = {name: stream[self._numbers[t]] for name, stream in self._streams.items()}
