@@ -6,6 +6,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 from torch import nn
 
+from supersampling.config import group_options
 from supersampling.errors import UserError
 from supersampling.training.schedule import optimizer_steps, scheduled
 from supersampling.training.trainer_settings import check_trainer
@@ -30,11 +31,24 @@ _NUMBERS: dict[str, tuple[type, float, float]] = {
 }
 
 
+GROUPS = ("task", "data", "model", "loss", "optimizer", "pick", "augment", "budget", "trainer", "metrics", "protocol")
+
+
 def check_training(cfg: DictConfig) -> None:
-    """Raise `UserError` for a number, optimizer, schedule or argument of Lightning that no training can have."""
+    """Raise `UserError` for a group without an option, or for a number, optimizer, schedule or argument of Lightning
+    that no training can have."""
+    check_groups(cfg)
     check_numbers(cfg)
     check_trainer(cfg)
     check_schedule(cfg)
+
+
+def check_groups(cfg: DictConfig) -> None:
+    """Raise `UserError` for a group that was set to null or to a word."""
+    for group in GROUPS:
+        value = OmegaConf.select(cfg, group)
+        if not OmegaConf.is_dict(value):
+            raise UserError(f"Invalid {group}={value}: use {group}=OPTION, one of {', '.join(group_options(group))}.")
 
 
 def check_schedule(cfg: DictConfig) -> None:

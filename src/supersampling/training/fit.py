@@ -45,10 +45,11 @@ def fit(
     if last.exists():
         loaders.continue_at(*position(last))
     carry = Carry(metadata(cfg, run.tags, run.params, run_id))
+    profile = profiler(cfg, folder)
     with explained_failures():
         trainer = L.Trainer(
             **arguments(cfg, loaders.clips),
-            profiler=profiler(cfg, folder),
+            profiler=profile,
             max_epochs=cfg.budget.epochs,
             check_val_every_n_epoch=cfg.budget.validate_every,
             logger=logger,
@@ -58,6 +59,8 @@ def fit(
             callbacks=[timer, carry, *time_limits(cfg, last), checkpoints(folder)],
         )
         trainer.fit(module, loaders, ckpt_path=last if last.exists() else None, weights_only=True)
+    if profile is not None:
+        print(f"The profile of the training is in {folder} (fit-profile*).", flush=True)
     experiment.restart(run_id, None)  # Lightning's logger has ended the run, which is still to be scored
     experiment.log_metrics(run_id, {"train/minutes": timer.time_elapsed("train") / 60.0})
     experiment.client.log_artifact(run_id, str(last), "checkpoint")
