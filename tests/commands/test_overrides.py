@@ -5,7 +5,7 @@ from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 
 from supersampling.commands.entry import COMMANDS
-from supersampling.commands.overrides import MOVED, check_overrides, explanation
+from supersampling.commands.overrides import MOVED, check_overrides, explanation, with_additions
 from supersampling.errors import UserError
 from supersampling.resources import resources
 
@@ -89,3 +89,12 @@ def test_options_of_a_folder_of_the_user_s_own_are_left_to_hydra(flag):
     with pytest.raises(UserError, match="Unknown option experiment=mine"):
         check_overrides("train", ["experiment=mine"])
     check_overrides("train", [*flag, "experiment=mine", "model=dlctus"])
+
+
+@pytest.mark.parametrize("word", ["trainer.max_time=00:01:00:00", "+trainer.max_time=00:01:00:00"])
+def test_arguments_of_lightning_are_set_or_added(word):
+    assert with_additions("train", [word, "-m", "trainer=default"]) == [
+        "++trainer.max_time=00:01:00:00", "-m", "trainer=default"
+    ]  # fmt: skip
+    assert with_additions("train", ["++trainer.precision=bf16-mixed"]) == ["++trainer.precision=bf16-mixed"]
+    assert with_additions("evaluate", [word]) == [word]

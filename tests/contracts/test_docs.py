@@ -12,6 +12,7 @@ from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 
 from supersampling.commands.campaign import commands
+from supersampling.commands.overrides import with_additions
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -50,7 +51,7 @@ def test_it_composes(command):
         for job in itertools.product(*(variants(o, multirun) for o in given)):
             GlobalHydra.instance().clear()
             with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
-                compose(name, list(job))
+                compose(name, with_additions(name, list(job)))
 
 
 def test_every_make_target_in_the_documentation_exists():

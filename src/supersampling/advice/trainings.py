@@ -20,6 +20,7 @@ from supersampling.runs.naming import is_learned
 from supersampling.runs.scores import scores_of
 from supersampling.training.check import check_training
 from supersampling.training.job import Files, Job, fitting_buffers, scoring_buffers
+from supersampling.training.schedule import optimizer_steps
 
 METRIC = "psnr"
 
@@ -41,7 +42,7 @@ class TrainingConfig:
     @property
     def steps(self) -> int:
         """Optimizer steps of the training; 0 for a classical method."""
-        return int(self.cfg.budget.epochs) * int(self.cfg.budget.steps) if is_learned(self.model()) else 0
+        return optimizer_steps(self.cfg) if is_learned(self.model()) else 0
 
     def model(self) -> Upsampler:
         """Return the model with random weights."""

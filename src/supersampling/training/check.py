@@ -6,6 +6,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 from torch import nn
 
+from supersampling.config import group_options
 from supersampling.errors import UserError
 from supersampling.runs.naming import is_learned
 from supersampling.training.devices import devices_of
@@ -32,13 +33,26 @@ _NUMBERS: dict[str, tuple[type, float, float]] = {
 }
 
 
+GROUPS = ("task", "data", "model", "loss", "optimizer", "pick", "augment", "budget", "trainer", "metrics", "protocol")
+
+
 def check_training(cfg: DictConfig) -> None:
-    """Raise `UserError` for a number, optimizer, schedule, device or argument of Lightning that no training can have."""
+    """Raise `UserError` for a group without an option, or for a number, optimizer, schedule, device or argument of
+    Lightning that no training can have."""
+    check_groups(cfg)
     check_numbers(cfg)
     check_trainer(cfg)
     check_schedule(cfg)
     if is_learned(instantiate(cfg.model)):
         devices_of(cfg)
+
+
+def check_groups(cfg: DictConfig) -> None:
+    """Raise `UserError` for a group that was set to null or to a word."""
+    for group in GROUPS:
+        value = OmegaConf.select(cfg, group)
+        if not OmegaConf.is_dict(value):
+            raise UserError(f"Invalid {group}={value}: use {group}=OPTION, one of {', '.join(group_options(group))}.")
 
 
 def check_schedule(cfg: DictConfig) -> None:

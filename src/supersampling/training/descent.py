@@ -61,6 +61,8 @@ def descend(descent: Descent) -> None:
         _descend(descent, module, checkpoint)
     else:
         run_together(_descend_in_group, [descent, checkpoint], descent.devices.count)
+    if descent.cfg.trainer.get("profiler") is not None:
+        print(f"The profile of the training is in {descent.folder} (fit-profile*).", flush=True)
 
 
 def _descend_in_group(descent: Descent, checkpoint: Path | None) -> None:

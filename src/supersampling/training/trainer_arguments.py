@@ -95,20 +95,20 @@ def duration(value: Any) -> timedelta | None:
     return time if timedelta(0) < time <= LONGEST else None
 
 
-def _one_of(*options: Any) -> Rule:
+def _choice(*options: Any) -> Rule:
     return Rule(
         lambda value: any(value == option and type(value) is type(option) for option in options),
         " or ".join(str(option).lower() if isinstance(option, bool) else str(option) for option in options),
     )
 
 
-_SWITCH = _one_of(True, False)
+_SWITCH = _choice(True, False)
 _TIME = "a time such as 00:12:00:00 (days, hours, minutes, seconds) or {hours:12}"
 
 RULES: dict[str, Rule] = {
-    "precision": Rule(_one_of(*PRECISION_NAMES).allows, f"{', '.join(PRECISIONS[:-1])} or {PRECISIONS[-1]}"),
+    "precision": Rule(_choice(*PRECISION_NAMES).allows, f"{', '.join(PRECISIONS[:-1])} or {PRECISIONS[-1]}"),
     "gradient_clip_val": Rule(lambda value: _is_number(value) and value >= 0, "a number of at least 0, or null"),
-    "gradient_clip_algorithm": _one_of("norm", "value"),
+    "gradient_clip_algorithm": _choice("norm", "value"),
     "accumulate_grad_batches": Rule(lambda value: _is_whole(value, 1), "a whole number of at least 1"),
     "limit_train_batches": Rule(_is_share, "a number of batches of at least 1, or a fraction such as 0.5"),
     "limit_val_batches": Rule(
@@ -120,8 +120,8 @@ RULES: dict[str, Rule] = {
         f"a number of batches of at least 1, a fraction of an epoch such as 0.5, or {_TIME}",
     ),
     "max_time": Rule(lambda value: duration(value) is not None, _TIME),
-    "deterministic": _one_of(True, False, "warn"),
-    "profiler": _one_of(*PROFILERS),
+    "deterministic": _choice(True, False, "warn"),
+    "profiler": _choice(*PROFILERS),
     **dict.fromkeys(("benchmark", "inference_mode", "detect_anomaly", "enable_progress_bar"), _SWITCH),
     **dict.fromkeys(("enable_autolog_hparams", "sync_batchnorm"), _SWITCH),
 }

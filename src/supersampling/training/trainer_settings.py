@@ -2,6 +2,7 @@
 
 import difflib
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -67,8 +68,6 @@ def _passed(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _settings(cfg: DictConfig) -> dict[str, Any]:
-    if not OmegaConf.is_dict(OmegaConf.select(cfg, "trainer")):
-        raise UserError(f"Invalid trainer={OmegaConf.select(cfg, 'trainer')}: leave it out, or use trainer=default.")
     return {str(k): v for k, v in OmegaConf.to_container(cfg.trainer, resolve=True).items()}  # type: ignore[union-attr]
 
 
@@ -148,7 +147,7 @@ def _failure(values: Mapping[str, Any]) -> str | None:
                 enable_model_summary=False,
             )
         except (MisconfigurationException, ValueError, TypeError, ImportError, RuntimeError) as error:
-            return (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".:!")
+            return re.split(r"[.!]\s|\n", str(error).strip() or type(error).__name__)[0].rstrip(".:!")
     if str(values.get("precision")) in ("16", "16-mixed") and trainer.precision != "16-mixed":
         return f"Lightning would compute in {trainer.precision} on this accelerator"
     return None
@@ -180,8 +179,8 @@ def explained_failures() -> Iterator[None]:
                 raise
             operation = str(error).partition(" ")[0]
             raise UserError(
-                f"Invalid trainer.deterministic=true: this method needs {operation}, which has no deterministic form on "
-                "this device, so use trainer.deterministic=warn."
+                f"Invalid trainer.deterministic=true: this method needs {operation}, which has no deterministic form "
+                "on this device, so use trainer.deterministic=warn."
             ) from error
 
 
