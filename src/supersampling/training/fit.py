@@ -11,6 +11,7 @@ import torch
 from hydra.utils import instantiate
 from lightning.pytorch.callbacks import Timer
 from lightning.pytorch.loggers import MLFlowLogger
+from lightning.pytorch.utilities.rank_zero import rank_zero_only
 from omegaconf import DictConfig, OmegaConf
 
 from supersampling.data.clips import Cut, WholeClips, WindowDataset
@@ -87,6 +88,8 @@ def _descend_in_group(descent: Descent) -> None:
 def descend(descent: Descent) -> Upsampler:
     """Train as the only process, or as the one that ``LOCAL_RANK`` says; the first one logs and writes."""
     cfg = descent.cfg
+    # What Slurm's variables say is not the rank.
+    rank_zero_only.rank = int(os.environ.get("LOCAL_RANK", 0))  # type: ignore[attr-defined]
     L.seed_everything(cfg.seed, workers=True, verbose=False)
     model: Upsampler = instantiate(cfg.model)
     loss: Loss = instantiate(cfg.loss)
