@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from supersampling.data.augment import NoAugmentation
-from supersampling.data.clips import Cut, FreshIndices, WholeClips, WindowDataset
+from supersampling.data.clips import Cut, EqualShares, FreshIndices, Share, WholeClips, WindowDataset
 from supersampling.data.pick import Uniform
 from supersampling.errors import UserError
 
@@ -81,6 +81,31 @@ def test_no_epoch_repeats_index():
         sampler.set_epoch(epoch)
         seen += list(sampler)
     assert seen == list(range(15))
+
+
+@pytest.mark.parametrize("processes", [1, 2, 3, 6])
+def test_the_windows_of_a_step_do_not_depend_on_the_number_of_processes(processes):
+    batch, steps = 6, 4
+    samplers = [FreshIndices(batch * steps, batch, Share(rank, processes)) for rank in range(processes)]
+    for epoch in range(2):
+        for sampler in samplers:
+            sampler.set_epoch(epoch)
+        shares = np.array([list(sampler) for sampler in samplers]).reshape(processes, steps, batch // processes)
+        assert [len(sampler) for sampler in samplers] == [batch * steps // processes] * processes
+        for step in range(steps):
+            first = (epoch * steps + step) * batch
+            assert shares[:, step].flatten().tolist() == list(range(first, first + batch))
+
+
+@pytest.mark.parametrize("size", [1, 2, 5, 6])
+@pytest.mark.parametrize("processes", [1, 2, 3, 8])
+def test_shares_of_clips_are_equally_long_and_no_clip_counts_twice(size, processes):
+    samplers = [EqualShares(size, Share(rank, processes)) for rank in range(processes)]
+    shares = [list(sampler) for sampler in samplers]
+    assert {len(share) for share in shares} == {len(sampler) for sampler in samplers} == {-(-size // processes)}
+    counted = [k for share, s in zip(shares, samplers) for p, k in enumerate(share) if not s.repeats(p)]
+    assert sorted(counted) == list(range(size))
+    assert all(0 <= k < size for share in shares for k in share)
 
 
 def test_whole_clips_come_in_order(make_file, tmp_path):

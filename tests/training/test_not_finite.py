@@ -1,5 +1,6 @@
 """A loss or a weight that is not finite stops the run, and the last good checkpoint stays."""
 
+import os
 from functools import partial
 from typing import ClassVar, NamedTuple
 
@@ -7,13 +8,15 @@ import lightning as L
 import pytest
 import torch
 from lightning.pytorch.callbacks import ModelCheckpoint
+from lightning.pytorch.plugins.environments import LightningEnvironment
 from torch import nn
 from torch.utils.data import DataLoader, Dataset
 
-from supersampling.data.clips import FreshIndices
+from supersampling.data.clips import FreshIndices, Share
 from supersampling.losses import L1, MSE, Loss, Sum
 from supersampling.models.base import Upsampler
 from supersampling.training.module import CHECKED_TOGETHER, NotFinite, Training, checkpoints
+from supersampling.training.processes import ProcessFailure, run_together
 
 BATCH, STEPS = 2, 20
 
@@ -186,3 +189,25 @@ def test_every_epoch_writes_the_one_checkpoint_and_a_resumed_training_goes_on(tm
     assert [p.name for p in moved.iterdir()] == ["last.ckpt"]
     assert torch.load(moved / "last.ckpt", weights_only=True)["global_step"] == resumed.global_step == 4 * STEPS
     assert min(set(Items.seen) - {0}) == 2 * BATCH * STEPS
+
+
+def train_on_two_devices(step):
+    """Train as one of two processes, of which the second meets NaN at a step."""
+    share = Share(int(os.environ["LOCAL_RANK"]), 2)
+    loss = Breaks(step if share.rank == 1 else 9 * STEPS, float("nan"))
+    sampler = FreshIndices(BATCH * STEPS, BATCH, share)
+    trainer = L.Trainer(
+        accelerator="cpu", devices=2, strategy="ddp", plugins=[LightningEnvironment()], use_distributed_sampler=False,
+        max_epochs=2, logger=False, enable_progress_bar=False, enable_model_summary=False, enable_checkpointing=False,
+    )  # fmt: skip
+    trainer.fit(training(loss), DataLoader(Items(), batch_size=BATCH // 2, sampler=sampler))
+
+
+@pytest.mark.slow
+def test_two_devices_say_what_one_would(tmp_path):
+    step = STEPS + 2
+    with pytest.raises(ProcessFailure) as caught:
+        run_together(train_on_two_devices, [step], 2)
+    items = "; ".join(f"item {k}" for k in range(BATCH * step, BATCH * (step + 1)))
+    place = f"at step {step} (epoch 1, batch 2): Breaks = nan. Its windows: {items}. The previous"
+    assert f"NotFinite: The loss stopped being finite {place}" in str(caught.value)

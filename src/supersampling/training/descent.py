@@ -11,6 +11,7 @@ import torch
 from hydra.utils import instantiate
 from lightning.pytorch.callbacks import Timer
 from lightning.pytorch.loggers import MLFlowLogger
+from lightning.pytorch.utilities.rank_zero import rank_zero_only
 from omegaconf import DictConfig
 
 from supersampling.data.clips import Cut, WholeClips, WindowDataset
@@ -55,6 +56,7 @@ class Descent:
 
 def descend(descent: Descent) -> None:
     """Train until ``descent.last`` is that of the last epoch; continue from the one that exists."""
+    _set_rank()
     module = descent.module()
     checkpoint = resume_checkpoint(descent.last, module)
     if descent.devices.count == 1:
@@ -69,7 +71,13 @@ def _descend_in_group(descent: Descent, checkpoint: Path | None) -> None:
     threads = max(1, descent.cfg.threads // descent.devices.count)
     os.environ["OMP_NUM_THREADS"] = str(threads)  # otherwise Lightning decides
     torch.set_num_threads(threads)
+    _set_rank()
     _descend(descent, descent.module(), checkpoint)
+
+
+def _set_rank() -> None:
+    """Tell Lightning the rank of this process: what Slurm's variables say is not it."""
+    rank_zero_only.rank = int(os.environ.get("LOCAL_RANK", 0))  # type: ignore[attr-defined]
 
 
 def _descend(descent: Descent, module: Training, checkpoint: Path | None) -> None:

@@ -88,10 +88,10 @@ class Training(L.LightningModule):
         self._unchecked.append((self.global_step, batch_index, {k: v.detach() for k, v in terms.items()}))
         if len(self._unchecked) == CHECKED_TOGETHER:
             self._check()
-        named = {f"train/{name}": term for name, term in terms.items()} if len(terms) > 1 else {}
-        self.log_dict(
-            {"train/loss": value, **named}, on_step=False, on_epoch=True, batch_size=len(outputs), sync_dist=True
-        )
+        mean: Any = {"on_step": False, "on_epoch": True, "batch_size": len(outputs), "sync_dist": True}
+        self.log("train/loss", value, **mean)
+        if len(terms) > 1:
+            self.log_dict({f"train/{name}": term for name, term in terms.items()}, **mean)
         return value
 
     def on_train_epoch_end(self) -> None:
