@@ -8,7 +8,6 @@ from omegaconf import DictConfig, open_dict
 from supersampling import config
 from supersampling.runs.experiment import experiment_of
 from supersampling.runs.sanity import score_sanity
-from supersampling.training.check import check_numbers
 from supersampling.training.job import Job, data_files
 
 METHOD_KEYS = ("model", "tune")
@@ -20,7 +19,6 @@ def train(cfg: DictConfig) -> None:
     Raises:
         UserError: a setting, scene or store that the user can correct.
     """
-    check_numbers(cfg)
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
     jobs = [*baselines(cfg), (cfg, config.choices())]
