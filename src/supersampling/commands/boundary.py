@@ -116,7 +116,8 @@ class SweepCheck(Callback):
                 check_configuration(cfg, name)
                 _check_numbers_of_parts(cfg, job, parts)
             except UserError as error:
-                raise UserError(f"{' '.join(job)}: {error} No job was started.") from error
+                words = [word for word in job if not all(word in words for words in jobs)] or job
+                raise UserError(f"{' '.join(words)}: {error} No job was started.") from error
             finally:
                 HydraConfig.instance().cfg = None
 

@@ -19,7 +19,8 @@ from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig
 
-from supersampling.commands import campaign
+from supersampling import __version__
+from supersampling.commands import campaign, completion
 from supersampling.commands.boundary import check_configuration, explain
 from supersampling.commands.explanation import explanation, raised_by_libraries
 from supersampling.commands.flags import Flags, read_flags
@@ -71,6 +72,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if name in COMMANDS:
         launch(name, words[1:])
         return
+    if words and words[0] in completion.FLAGS:
+        complete = any(word.startswith("query=") for word in words)
+        command = completion.command_to_complete(COMMANDS) if complete else "train"
+        if command is not None:
+            launch(command, words)
+        return
+    if words == ["--version"]:
+        print(f"supersampling {__version__}")
+        return
     if words and words[0] not in ("-h", "--help"):
         sys.stderr.write(f"error: Unknown command {words[0]}: use one of {', '.join(COMMANDS)}.\n")
         sys.exit(USER_ERROR_STATUS)
@@ -116,11 +126,13 @@ def _start(name: str, flags: Flags, arguments: list[str]) -> None:
         check_overrides(name, arguments)
     sys.argv = [sys.argv[0], *arguments]
     try:
-        with _quiet() if "package" in flags else nullcontext():
+        with _quiet() if {"package", "shell_completion"} & flags.values.keys() else nullcontext():
             application(name)()
     except Exception as error:
         if _reached_command(error) or not raised_by_libraries(error):
             raise
+        if "shell_completion" in flags:
+            sys.exit(USER_ERROR_STATUS)  # a word before the completed one is wrong; the prompt stays clean
         raise UserError(explanation(name, arguments, error)) from error
     except SystemExit as end:
         if "package" in flags and end.code:  # Hydra ends so if there is no such package

@@ -94,7 +94,7 @@ def _missing_slot(command: str, arguments: Sequence[str], slot: str) -> str:
 def _missing_setting(command: str, arguments: Sequence[str], key: str) -> str:
     """Return the settings beside an unknown one, and the options of its group that do have it."""
     group, _, name = key.rpartition(".")
-    if not group or not group_options(group):
+    if not group or not group_options(group) or group.startswith("hydra"):
         return _missing_key(command, arguments, key)
     option = _selected(command, arguments, group)
     owners = [o for o in group_options(group) if name in _settings(group, o)]

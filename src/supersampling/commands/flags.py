@@ -4,11 +4,11 @@ import argparse
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, NoReturn
 
 from hydra._internal.utils import get_args_parser
 
+from supersampling import __version__
 from supersampling.errors import UserError
 
 MODES = ("run", "multirun", "cfg", "info", "shell_completion")
@@ -82,7 +82,7 @@ def _parser(command: str) -> argparse.ArgumentParser:
     parser.error = error  # type: ignore[method-assign]
     for action in parser._actions:
         if isinstance(action, argparse._VersionAction):
-            action.version = f"supersampling {version('supersampling')} ({action.version})"
+            action.version = f"supersampling {__version__} ({action.version})"
     return parser
 
 

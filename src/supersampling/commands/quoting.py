@@ -105,7 +105,7 @@ def _text(value: str, is_path: bool, multirun: bool) -> str:
 
 def _is_misread(override: Override | None, value: str) -> bool:
     """Return whether Hydra reads the name of an existing file as something else, and not as another file."""
-    if override is None or override.is_sweep_override():
+    if override is None or override.is_sweep_override() or "${" in value:
         return True
     content = override.value()
     return content is not None and content != value and not (isinstance(content, str) and os.path.exists(content))
@@ -126,7 +126,9 @@ def _list(value: str, is_path: bool, multirun: bool) -> str:
         items = split(value[1:-1]) if value[1:-1].strip() else []
     elif not _is_plain(value) or any(item.startswith("[") for item in items):
         return value
-    return f"[{','.join(_text(item.strip(), is_path, False) for item in items)}]"
+    items = [item.strip() for item in items]
+    texts = [quote(item) if item.endswith("\\") else _text(item, is_path, False) for item in items]
+    return f"[{','.join(texts)}]"
 
 
 def _is_plain(value: str) -> bool:
