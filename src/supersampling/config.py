@@ -81,7 +81,12 @@ def published_stages(model: str) -> Mapping[str, str]:
 
 def typed_overrides() -> list[str]:
     """Return the overrides of the command line, none outside of a Hydra application."""
-    return [str(o) for o in HydraConfig.get().overrides.task] if HydraConfig.initialized() else []
+    return overrides_of(HydraConfig.get()) if HydraConfig.initialized() else []
+
+
+def overrides_of(hydra: Any) -> list[str]:
+    """Return the overrides of a command line from Hydra's part of its configuration, with ``${key}`` as typed."""
+    return [str(word) for word in hydra.overrides.task._iter_ex(resolve=False)]
 
 
 def key_of(override: str) -> str:

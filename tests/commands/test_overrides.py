@@ -5,7 +5,8 @@ from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 
 from supersampling.commands.entry import COMMANDS
-from supersampling.commands.overrides import MOVED, check_overrides, explanation, with_additions
+from supersampling.commands.explanation import explanation
+from supersampling.commands.overrides import MOVED, check_overrides, with_additions
 from supersampling.errors import UserError
 from supersampling.resources import resources
 
@@ -46,7 +47,7 @@ CASES = [
     (("train", "logger.tracking_uri=x"), "write tracking_uri=x"),
     (("render", "import=qrisp"), "write import_capture.py layout=qrisp"),
     (("benchmark", "pick.ms=3"), "write pick.py ms=3"),
-    (("train", "scene=[a"), "cannot be read as key=value"),
+    (("train", "scene=[a"), "scene=[a cannot be read"),
 ]
 
 
@@ -84,7 +85,7 @@ def test_what_moved_is_gone():
                 assert answer(command, f"{key}=1")
 
 
-@pytest.mark.parametrize("flag", [["--config-dir", "FOLDER"], ["--config-dir=FOLDER"], ["hydra.searchpath=[FOLDER]"]])
+@pytest.mark.parametrize("flag", [["--config-dir=FOLDER"], ["--config-path=FOLDER"], ["hydra.searchpath=[FOLDER]"]])
 def test_options_of_a_folder_of_the_user_s_own_are_left_to_hydra(flag):
     with pytest.raises(UserError, match="Unknown option experiment=mine"):
         check_overrides("train", ["experiment=mine"])

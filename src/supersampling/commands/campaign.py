@@ -28,7 +28,10 @@ def commands(arguments: Sequence[str], folder: Path | None = None) -> list[list[
             ``-m``.
     """
     sweeps = [word for word in arguments if word.startswith(KEY)]
-    if len(sweeps) != 1 or sweeps[0] in (KEY, f"{KEY}null"):
+    if len(sweeps) > 1:
+        joined = ",".join(word.removeprefix(KEY) for word in sweeps)
+        raise UserError(f"{' '.join(sweeps)} sets sweeps twice: write {KEY}{joined}.")
+    if not sweeps or sweeps[0] in (KEY, f"{KEY}null"):
         return []
     known = sorted(path.stem for path in (folder or resources() / "sweeps").glob("*.yaml"))
     names: list[str] = []

@@ -1,26 +1,31 @@
 """The start of every command: ``supersampling train ...`` and ``python train.py ...`` both come here."""
 
+import io
 import os
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext, redirect_stderr
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
-from hydra.errors import HydraException
 from hydra.experimental.callback import Callback
 from hydra.types import RunMode
 from omegaconf import DictConfig
-from omegaconf.errors import OmegaConfBaseException
 
-from supersampling.commands import campaign
-from supersampling.commands.overrides import check_overrides, explanation, with_additions
+from supersampling import __version__
+from supersampling.commands import campaign, completion
+from supersampling.commands.boundary import check_configuration, explain
+from supersampling.commands.explanation import explanation, raised_by_libraries
+from supersampling.commands.flags import Flags, read_flags
+from supersampling.commands.overrides import check_overrides, with_additions, without_null
+from supersampling.commands.quoting import quote_text
 from supersampling.commands.resolvers import register
 from supersampling.config import VERSION_BASE
-from supersampling.errors import UserError, find_time_limit, find_user_error, was_interrupted
+from supersampling.errors import UserError, chain, find_time_limit, find_user_error, was_interrupted
 from supersampling.process import prepare_process
 from supersampling.resources import VARIABLE, resources
 
@@ -66,6 +71,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if name in COMMANDS:
         launch(name, words[1:])
         return
+    if words and words[0] in completion.FLAGS:
+        complete = any(word.startswith("query=") for word in words)
+        command = completion.command_to_complete(COMMANDS) if complete else "train"
+        if command is not None:
+            launch(command, words)
+        return
+    if words == ["--version"]:
+        print(f"supersampling {__version__}")
+        return
     if words and words[0] not in ("-h", "--help"):
         sys.stderr.write(f"error: Unknown command {words[0]}: use one of {', '.join(COMMANDS)}.\n")
         sys.exit(USER_ERROR_STATUS)
@@ -91,23 +105,53 @@ def launch(name: str, arguments: Sequence[str]) -> None:
     os.environ.setdefault(VARIABLE, os.getcwd())
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra's exceptions reach us instead of its own report
     register()
-    arguments = with_additions(name, arguments)
+    try:
+        flags = read_flags(name, arguments)
+        words = [quote_text(name, without_null(word), "multirun" in flags) for word in flags.words]
+        _start(name, flags, flags.arguments(with_additions(name, words)))
+    except UserError as error:
+        exit_with(error)
+
+
+def _start(name: str, flags: Flags, arguments: list[str]) -> None:
+    """Start a command with checked words.
+
+    Raises:
+        UserError: what Hydra cannot read or compose.
+    """
+    if name == "train" and flags.runs and (commands := campaign.commands(arguments)):
+        sys.exit(campaign.run_sweeps(commands))
+    if "shell_completion" not in flags:
+        check_overrides(name, arguments)
     sys.argv = [sys.argv[0], *arguments]
     try:
-        if name == "train" and (commands := campaign.commands(arguments)):
-            sys.exit(campaign.run_sweeps(commands))
-        check_overrides(name, arguments)
-        application(name)()
-    except UserError as error:
-        _exit_with(error)
-    except (HydraException, OmegaConfBaseException) as error:
-        sentence = explanation(name, arguments, error)
-        if sentence is None:
+        with _quiet() if {"package", "shell_completion"} & flags.values.keys() else nullcontext():
+            application(name)()
+    except Exception as error:
+        if _reached_command(error) or not raised_by_libraries(error):
             raise
-        _exit_with(UserError(sentence))
+        if "shell_completion" in flags:
+            sys.exit(USER_ERROR_STATUS)  # a word before the completed one is wrong; the prompt stays clean
+        raise UserError(explanation(name, arguments, error)) from error
+    except SystemExit as end:
+        if "package" in flags and end.code:  # Hydra ends so if there is no such package
+            part = flags.values["package"]
+            raise UserError(f"{part} is not set: see python {name}.py --cfg job for the parts.") from end
+        raise
 
 
-def _exit_with(error: UserError) -> None:
+def _quiet() -> AbstractContextManager[object]:
+    return redirect_stderr(io.StringIO())
+
+
+def _reached_command(error: Exception) -> bool:
+    """Return whether an error comes from a command, not from Hydra while it reads the command line."""
+    traces = (traceback.walk_tb(cause.__traceback__) for cause in chain(error))
+    return any(frame.f_code is run.__code__ for trace in traces for frame, _ in trace)
+
+
+def exit_with(error: UserError) -> None:
+    """Print a mistake and exit."""
     sys.stderr.write(f"error: {error}\n")
     sys.exit(USER_ERROR_STATUS)
 
@@ -116,8 +160,11 @@ def application(name: str) -> Callable[[], Any]:
     """Return the Hydra application of a command."""
 
     def task(cfg: DictConfig) -> None:
-        # Imported here so that --help is quick.
-        command = getattr(import_module(f"supersampling.commands.{name}"), name)
+        def command(cfg: DictConfig) -> object:
+            check_configuration(cfg, name)
+            # Imported here so that --help is quick.
+            return getattr(import_module(f"supersampling.commands.{name}"), name)(cfg)
+
         run(command, cfg)
 
     task.__module__ = f"supersampling.commands.{name}"
@@ -151,7 +198,7 @@ def _status_of(error: BaseException) -> int:
     if was_interrupted(error):
         sys.stderr.write("\nInterrupted: the same command continues from here.\n")
         sys.exit(INTERRUPTED_STATUS)
-    user_error = find_user_error(error)
+    user_error = find_user_error(error) or explain(error)
     if user_error is not None:
         sys.stderr.write(f"error: {user_error}\n")
         return USER_ERROR_STATUS

@@ -2,23 +2,27 @@
 
 import math
 import os
+from typing import Any
 
-from omegaconf import OmegaConf
+from hydra.core.hydra_config import HydraConfig
+from omegaconf import ListConfig, OmegaConf
+from omegaconf.base import Container
 
 from supersampling.config import group_options, published_stages
+from supersampling.errors import UserError
 from supersampling.resources import output_root, resources
 
 
-def _installed_scenes() -> list[str]:
+def _installed_scenes() -> ListConfig:
     from supersampling.scenes.load import installed_scenes
 
-    return installed_scenes()
+    return ListConfig(installed_scenes())
 
 
-def _built_in_scenes() -> list[str]:
+def _built_in_scenes() -> ListConfig:
     from supersampling.scenes.built_in import BUILT_IN
 
-    return list(BUILT_IN)
+    return ListConfig(list(BUILT_IN))
 
 
 def _model_slots() -> str:
@@ -33,19 +37,35 @@ def _tracking_uri(path: str) -> str:
     return configured_uri(path)
 
 
+def _product(*values: object) -> int:
+    if not all(isinstance(value, int) and not isinstance(value, bool) for value in values):
+        raise UserError(f"{' times '.join(map(str, values))} is no product: use whole numbers for these settings.")
+    return math.prod(values)  # type: ignore[arg-type]
+
+
+def _project_root(_root_: Container) -> str:
+    """Return ``paths.root``, also for ``--cfg hydra``, which shows only Hydra's part of the configuration."""
+    local = OmegaConf.select(_root_, "paths.root")
+    if local is not None:
+        return str(local)
+    hydra: Any = HydraConfig.get()
+    return str(OmegaConf.select(hydra, "..paths.root"))
+
+
 def _cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def register() -> None:
     """Register ``${installed_scenes:}``, ``${built_in_scenes:}``, ``${model_slots:}``, ``${cores:}``,
-    ``${product:a,b}``, ``${tracking_uri:path}``, ``${resources:}`` and ``${output_root:}``.
+    ``${product:a,b}``, ``${tracking_uri:path}``, ``${resources:}``, ``${output_root:}`` and ``${project_root:}``.
     """
     OmegaConf.register_new_resolver("installed_scenes", _installed_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("built_in_scenes", _built_in_scenes, use_cache=True, replace=True)
     OmegaConf.register_new_resolver("model_slots", _model_slots, replace=True)
     OmegaConf.register_new_resolver("cores", _cores, replace=True)
-    OmegaConf.register_new_resolver("product", lambda *values: math.prod(int(v) for v in values), replace=True)
+    OmegaConf.register_new_resolver("product", _product, replace=True)
     OmegaConf.register_new_resolver("tracking_uri", _tracking_uri, replace=True)
     OmegaConf.register_new_resolver("resources", lambda: str(resources()), replace=True)
     OmegaConf.register_new_resolver("output_root", lambda: str(output_root()), replace=True)
+    OmegaConf.register_new_resolver("project_root", _project_root, replace=True)

@@ -7,6 +7,8 @@ from typing import Any
 from hydra.experimental.callback import Callback
 from omegaconf import DictConfig
 
+from supersampling.config import overrides_of
+
 
 class ParentRun(Callback):
     """Begins an MLflow parent run for a multirun and hands its id to the jobs through the environment.
@@ -23,8 +25,7 @@ class ParentRun(Callback):
         from supersampling.runs import tags
         from supersampling.runs.experiment import PARENT_VARIABLE, experiment_of
 
-        overrides = [str(o) for o in config.hydra.overrides.task]
-        name = "sweep " + (" ".join(overrides) or "(no overrides)")
+        name = "sweep " + (" ".join(overrides_of(config.hydra)) or "(no overrides)")
         os.environ[PARENT_VARIABLE] = experiment_of(config).start(name[:240], {tags.KIND: "sweep"}, None)
         atexit.register(self._end, config, "KILLED")
 

@@ -1,0 +1,157 @@
+"""Checks of a composed configuration before a command uses it."""
+
+import re
+import sys
+import traceback
+from typing import Any
+
+from hydra import compose
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.errors import InstantiationException
+from hydra.experimental.callback import Callback
+from hydra.utils import instantiate
+from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
+
+from supersampling.commands.explanation import explanation, first_line, raised_by_libraries
+from supersampling.config import composed, key_of, overrides_of, typed_overrides
+from supersampling.errors import UserError, find_user_error
+from supersampling.training.check import check_numbers, check_training
+
+
+def check_configuration(cfg: DictConfig, command: str) -> None:
+    """Raise `UserError` for a missing part, a reference to a missing key or variable, and a number out of its range."""
+    if HydraConfig.get().job.config_name != command:
+        _check_parts(cfg, command)
+    try:
+        check_numbers(cfg)
+        OmegaConf.resolve(cfg.copy())
+    except RecursionError as error:
+        raise UserError("The settings refer to each other in a circle: set one of them to a value.") from error
+    except OmegaConfBaseException as error:
+        user_error = find_user_error(error)
+        if user_error is not None:
+            raise user_error from error
+        if not raised_by_libraries(error):
+            raise
+        words = " ".join(word for word in typed_overrides() if "${" in word)
+        raise UserError(
+            f"{words or error.full_key} cannot be resolved ({first_line(error)}): correct the name after ${{, or write "
+            r"\${ for these characters themselves."
+        ) from error
+
+
+def _check_parts(cfg: DictConfig, command: str) -> None:
+    """Raise `UserError` if a configuration of ``--config-name`` lacks what the command reads."""
+    missing = sorted(str(key) for key in composed(command, []).cfg if key not in cfg)
+    if missing:
+        name = HydraConfig.get().job.config_name
+        keys = ", ".join(missing)
+        raise UserError(f"--config-name={name} has no {keys}, which {command}.py reads: add {command} to its defaults.")
+
+
+def explain(error: BaseException) -> UserError | None:
+    """Return the mistake of the user's that made a command fail in a library: a setting that was deleted or added, or
+    whose value a class of a library does not take. None if the error is ours.
+    """
+    typed = typed_overrides()
+    key = getattr(error, "full_key", None)
+    if isinstance(error, (ConfigAttributeError, ConfigKeyError)) and f"~{key}" in (_deleted(word) for word in typed):
+        return UserError(f"~{key} deletes a setting that the command needs: leave it out.")
+    if isinstance(error, InstantiationException) and raised_by_libraries(error):
+        return _rejected_settings(error, typed)
+    return None
+
+
+def _deleted(word: str) -> str:
+    return f"~{key_of(word)}" if word.startswith("~") else ""
+
+
+def _rejected_settings(error: InstantiationException, typed: list[str]) -> UserError | None:
+    """Return the sentence for settings of the command line that a class does not take; None if none concerns it."""
+    match = re.search(r"full_key: ([\w.]+)", str(error))
+    node = match[1] if match else ""
+    words = [word for word in typed if _concerns(key_of(word).replace("/", "."), node)]
+    if not words:
+        return None
+    reason = first_line(error.__cause__) if error.__cause__ is not None else first_line(error)
+    return UserError(f"{' '.join(words)} cannot be used ({reason}): correct it, or leave it out.")
+
+
+def _concerns(key: str, node: str) -> bool:
+    return f"{key}.".startswith(f"{node}.") or f"{node}.".startswith(f"{key}.")
+
+
+class SweepCheck(Callback):
+    """Composes and checks the jobs of a multirun before the first one runs."""
+
+    def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
+        from supersampling.commands.entry import exit_with
+
+        name, words = str(kwargs["config_name"]), overrides_of(config.hydra)
+        try:
+            self._check(config, name, words)
+        except UserError as error:
+            exit_with(error)
+        except Exception as error:  # Hydra would make a warning of it and go on
+            if not raised_by_libraries(error):
+                traceback.print_exception(error)
+                sys.exit(1)
+            exit_with(UserError(explanation(name, words, error)))
+
+    def _check(self, config: DictConfig, name: str, words: list[str]) -> None:
+        jobs = _jobs(config, words)
+        if not jobs:
+            raise UserError(f"{' '.join(words)} runs no job: a list or pattern of it is empty.")
+        parts: set[str] = set()
+        for job in jobs:
+            cfg = compose(name, job, return_hydra_config=True)
+            HydraConfig.instance().set_config(cfg)
+            with open_dict(cfg):
+                del cfg["hydra"]
+            try:
+                check_configuration(cfg, name)
+                _check_numbers_of_parts(cfg, job, parts)
+                if name == "train":
+                    _check_training(cfg, parts)
+            except UserError as error:
+                words = [word for word in job if not all(word in words for words in jobs)] or job
+                raise UserError(f"{' '.join(words)}: {error} No job was started.") from error
+            finally:
+                HydraConfig.instance().cfg = None
+
+
+def _jobs(config: DictConfig, words: list[str]) -> list[list[str]]:
+    """Return the overrides of each job of a sweep; an empty list for a sweeper of another kind."""
+    parameters = [f"{key}={value}" for key, value in (config.hydra.sweeper.get("params") or {}).items()]
+    overrides = OverridesParser.create(GlobalHydra.instance().config_loader()).parse_overrides([*parameters, *words])
+    return BasicSweeper.split_arguments(overrides, None)[0]
+
+
+def _check_training(cfg: DictConfig, parts: set[str]) -> None:
+    """Check how a job is trained, each way once."""
+    text = "".join(OmegaConf.to_yaml(cfg[key], resolve=True) for key in ("trainer", "budget", "optimizer"))
+    if text not in parts:
+        parts.add(text)
+        check_training(cfg)
+
+
+def _check_numbers_of_parts(cfg: DictConfig, words: list[str], parts: set[str]) -> None:
+    """Raise the `UserError` of a loss or model that does not take its settings; each is tried once.
+
+    A part whose settings are the configured ones is left alone: to make it may load weights.
+    """
+    for key in ("loss", "model"):
+        text = OmegaConf.to_yaml(cfg[key], resolve=True) if key in cfg else ""
+        if not text or text in parts or not any(word.startswith(f"{key}.") for word in words):
+            continue
+        parts.add(text)
+        try:
+            instantiate(cfg[key])
+        except InstantiationException as error:
+            user_error = find_user_error(error)
+            if user_error is not None:
+                raise user_error from error
