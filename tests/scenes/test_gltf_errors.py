@@ -156,3 +156,33 @@ def claimed(width: int, height: int) -> bytes:
 @pytest.mark.parametrize("size", [(16385, 1), (1, 20000), (16000, 16000), (100000, 100000)])
 def test_images_that_are_too_large(size: tuple[int, int], tmp_path: Path) -> None:
     check_error(textured({"uri": data_uri(claimed(*size))}).glb(tmp_path / "a.glb"), "too large")
+
+
+@pytest.mark.parametrize(
+    ("kind", "key", "value", "words"),
+    [
+        ("nodes", "children", "x", r"nodes\[0\].children of a.glb: \"x\" is not a list"),
+        ("nodes", "mesh", True, r"nodes\[0\].mesh of a.glb: true is not a whole number"),
+        ("nodes", "translation", [0, "1", 0], r"nodes\[0\].translation\[1\] of a.glb: \"1\" is not a number"),
+        ("nodes", "scale", [1e13, 1, 1], "Invalid scale .* of node 0 of a.glb"),
+        ("meshes", "primitives", {}, r"meshes\[0\].primitives of a.glb: {} is not a list"),
+        ("meshes", "primitives", [{"attributes": {"POSITION": "0"}}], r"attributes.POSITION of a.glb: \"0\""),
+        ("accessors", "count", 4.0, r"accessors\[0\].count of a.glb: 4.0 is not a whole number"),
+        ("accessors", "count", 1 << 30, "Accessor 0 of a.glb has the invalid type VEC3 or count 1073741824"),
+        ("bufferViews", "buffer", None, r"refers to buffers\[None\]"),
+    ],
+)
+def test_values_of_another_type_are_named_with_their_place(
+    kind: str, key: str, value: object, words: str, tmp_path: Path
+) -> None:
+    file = square_file()
+    file.json[kind][0][key] = value
+    check_error(file.glb(tmp_path / "a.glb"), words)
+
+
+def test_an_accessor_without_data_takes_no_memory_that_its_count_declares(tmp_path: Path) -> None:
+    file = square_file()
+    file.json["accessors"][0] = {"componentType": 5126, "count": 1 << 25, "type": "VEC3"}
+    check_error(file.glb(tmp_path / "a.glb"), "count 33554432")
+    file.json["accessors"][0]["count"] = 4
+    check_error(file.glb(tmp_path / "b.glb"), "spans .* m: check its nodes' transforms")
