@@ -59,7 +59,7 @@ def test_two_marks_and_a_later_frame_with_the_largest_distance():
     later[5] = np.inf
     scale = measure_depth(files(NEAR, later), False)
     assert (scale.unit, scale.marks) == (1000.0, {np.inf, 1e10})
-    assert "captured depth is divided by 1000; 1e+10 and inf (12.5% of the pixels) counts as sky" in scale.summary()
+    assert "captured depth is divided by 1000; 1e+10 and inf (12.5% of the pixels) count as sky" in scale.summary()
 
 
 @pytest.mark.parametrize(

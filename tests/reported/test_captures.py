@@ -92,3 +92,20 @@ def test_only_motion_in_low_resolution(command, row, copy, tmp_path):
         *("color", "radiance", "depth", "motion", "jitter", "target", "target_radiance")
     }
     row("34", "Arm capture without motion_gt", "imported without high_motion, with a line that says so")
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("path=2024", "Invalid path=2024: use the name of a folder, with ./ before a name that is a number."),
+        ("path=[a]", "Invalid path=['a']: use the name of a folder"),
+        ("convention=1", "Unknown convention '1': use one of xy, "),
+        ("reversed_depth=maybe", "Invalid reversed_depth=maybe: use true or false."),
+        ("reversed_depth=1", "Invalid reversed_depth=1: use true or false."),
+        ("task.scale=two", "Invalid task.scale=two: use a whole number of at least 1."),
+    ],
+)
+def test_settings_of_another_type(command, captures, tmp_path, setting, message):
+    answer = command("import_capture", *arguments("nsrd", captures["nsrd"][1], tmp_path), setting)
+    assert answer.status == 2
+    assert message in answer.last_line

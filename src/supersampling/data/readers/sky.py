@@ -38,8 +38,9 @@ class DepthScale:
         unit = f"captured depth is divided by {self.unit:g}" if self.unit != 1.0 else "captured depth is kept"
         if not self.marks:
             return unit
+        verb = "counts as sky and becomes" if len(self.marks) == 1 else "count as sky and become"
         marks = " and ".join(f"{mark:g}" for mark in sorted(self.marks))
-        return f"{unit}; {marks} ({self.share:.1%} of the pixels) counts as sky and becomes 1"
+        return f"{unit}; {marks} ({self.share:.1%} of the pixels) {verb} 1"
 
 
 def measure_depth(files: Iterable[tuple[Path, Image]], reversed_depth: bool) -> DepthScale:
