@@ -1,6 +1,7 @@
 """Exported graphs against PyTorch in two other runtimes, over rollouts that carry their own state."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -121,6 +122,16 @@ def test_messages_for_invalid_inputs_of_the_runner(aliasing):
         runner(arrays(next(random_frames(model, (6, 8), 1, None))))
     with pytest.raises(UserError, match="write both again with export.py"):
         Runner(path.parent / "other.onnx", RUNTIMES[0])
+
+
+def test_changed_graph_is_not_run(aliasing, tmp_path):
+    _, path, _ = aliasing
+    folder = Path(shutil.copytree(path.parent, tmp_path / "copy"))
+    data = bytearray((folder / path.name).read_bytes())
+    data[len(data) // 2] ^= 1
+    (folder / path.name).write_bytes(data)
+    with pytest.raises(UserError, match=r"\.onnx is not as export\.py wrote it: write it again"):
+        Runner(folder / path.name, RUNTIMES[0])
 
 
 def test_branch_on_the_size_becomes_a_multiple_that_the_runner_enforces(tmp_path):

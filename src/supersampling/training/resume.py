@@ -10,7 +10,7 @@ from supersampling.files import set_aside
 from supersampling.runs.checkpoint_file import load_checkpoint
 
 PARTS = ("epoch", "global_step", "loops", "optimizer_states", "lr_schedulers")  # that Lightning continues from
-ANEW = "move it to another folder, then the same command trains from the beginning"
+START_OVER = "move it to another folder, then the same command trains from the beginning"
 
 
 def resume_checkpoint(path: Path, module: L.LightningModule) -> Path | None:
@@ -30,10 +30,10 @@ def resume_checkpoint(path: Path, module: L.LightningModule) -> Path | None:
         return None
     missing = [part for part in PARTS if part not in content]
     if missing:
-        raise UserError(f"{path} is not a checkpoint of a training (it has no {missing[0]}): {ANEW}.")
+        raise UserError(f"{path} is not a checkpoint of a training (it has no {missing[0]}): {START_OVER}.")
     difference = _difference(content["state_dict"], module.state_dict())
     if difference:
-        raise UserError(f"{path} holds the weights of another model ({difference}): {ANEW}.")
+        raise UserError(f"{path} holds the weights of another model ({difference}): {START_OVER}.")
     return path
 
 
