@@ -54,7 +54,7 @@ class Client(MlflowClient):
 def _explaining(method: Callable[..., Any], location: Location) -> Callable[..., Any]:
     @wraps(method)
     def call(*args: Any, **kwargs: Any) -> Any:
-        with explained(location):
+        with _explained_with_files(location):
             return method(*args, **kwargs)
 
     return call
@@ -65,10 +65,25 @@ def explained(location: Location) -> Iterator[None]:
     """Turn errors of the store within into `UserError`; errors about a run, a name or an artifact pass."""
     try:
         yield
-    except (MlflowException, SQLAlchemyError, CommandError, OSError) as error:
-        sentence = next(filter(None, (_explain(location, cause) for cause in chain(error))), None)
-        if sentence is None:
-            raise
+    except (MlflowException, SQLAlchemyError, CommandError, requests.RequestException) as error:
+        _raise_sentence(location, error)
+        raise
+
+
+@contextmanager
+def _explained_with_files(location: Location) -> Iterator[None]:
+    """Do the same as `explained` where only the store's own files are opened."""
+    try:
+        with explained(location):
+            yield
+    except OSError as error:
+        _raise_sentence(location, error)
+        raise
+
+
+def _raise_sentence(location: Location, error: Exception) -> None:
+    sentence = next(filter(None, (_explain(location, cause) for cause in chain(error))), None)
+    if sentence is not None:
         raise UserError(sentence) from error
 
 
@@ -91,7 +106,7 @@ def _explain(location: Location, error: BaseException) -> str | None:
             reason = _first_line(str(error))
             answered = isinstance(error, RestException) or "failed with error code" in reason
             return explain_status(location, error.get_http_status_code(), reason) if answered else None
-        case requests.RequestException():
+        case requests.RequestException() if location.is_server:
             return explain_request(location, error)
         case OSError(errno=number, filename=str(name), strerror=reason) if number in DENIED:
             return f"{name} cannot be used for the store {location} ({reason}): check paths.root and tracking_uri."
@@ -105,7 +120,7 @@ def open_client(tracking_uri: object, *, write: bool) -> tuple[Client, Location]
         UserError: the setting names no store, or one that cannot be used.
     """
     location = read_location(tracking_uri)
-    with explained(location):
+    with _explained_with_files(location):
         if location.file is not None and not check_database(location, location.file, write):
             if not write:  # MLflow would create an empty database
                 raise UserError(f"There is no MLflow store at {location.file}: train first, or set tracking_uri.")
