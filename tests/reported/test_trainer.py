@@ -118,8 +118,6 @@ def test_value_that_is_not_there(settings, sentence, refused, row, monkeypatch):
     ("settings", "steps"),
     [
         (["+trainer.accumulate_grad_batches=2"], 2),
-        (["trainer.limit_train_batches=1"], 2),
-        (["trainer.limit_train_batches=0.5"], 2),
         (["budget.steps=5", "trainer.accumulate_grad_batches=2", "trainer.limit_train_batches=3"], 4),
     ],
     ids=str,
