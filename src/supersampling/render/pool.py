@@ -56,17 +56,17 @@ def render_files(
         UserError: A specification or buffer is invalid, the scene does not exist, OpenGL is missing, or the disk is
         full.
     """
-    order = Order(tuple(specs), folder, names, path)
-    files = order.files()
-    if scene is None:
-        for name in sorted({file.spec.scene for file in files if file.missing()}):
-            check_scene(name)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(
             f"Cannot create the data folder {folder} ({error.strerror}): set paths.data to another folder."
         ) from error
+    order = Order(tuple(specs), folder, names, path)
+    files = order.files()
+    if scene is None:
+        for name in sorted({file.spec.scene for file in files if file.missing()}):
+            check_scene(name)
     while any(file.missing() for file in files):
         clips = [len(file.waiting()) for file in files]
         frames = sum(count * file.spec.frames for count, file in zip(clips, files))
