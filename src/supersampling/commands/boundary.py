@@ -37,11 +37,19 @@ def check_configuration(cfg: DictConfig, command: str) -> None:
             raise user_error from error
         if not raised_by_libraries(error):
             raise
-        words = " ".join(word for word in typed_overrides() if "${" in word)
-        raise UserError(
-            f"{words or error.full_key} cannot be resolved ({first_line(error)}): correct the name after ${{, or write "
-            r"\${ for these characters themselves."
-        ) from error
+        raise UserError(_unresolved(error, typed_overrides())) from error
+
+
+def _unresolved(error: OmegaConfBaseException, typed: list[str]) -> str:
+    """Return the sentence for a reference that leads nowhere."""
+    deleted = " ".join(word for word in typed if word.startswith("~"))
+    words = " ".join(word for word in typed if "${" in word)
+    if deleted and not words:
+        return f"{deleted} deletes what other settings refer to ({first_line(error)}): leave it out."
+    return (
+        f"{words or error.full_key or 'A setting'} cannot be resolved ({first_line(error)}): correct the name after ${{, "
+        r"or write \${ for these characters themselves."
+    )
 
 
 def _check_parts(cfg: DictConfig, command: str) -> None:
