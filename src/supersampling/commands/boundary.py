@@ -46,9 +46,10 @@ def _unresolved(error: OmegaConfBaseException, typed: list[str]) -> str:
     words = " ".join(word for word in typed if "${" in word)
     if deleted and not words:
         return f"{deleted} deletes what other settings refer to ({first_line(error)}): leave it out."
+    subject = words or error.full_key or "A setting"
     return (
-        f"{words or error.full_key or 'A setting'} cannot be resolved ({first_line(error)}): correct the name after ${{, "
-        r"or write \${ for these characters themselves."
+        f"{subject} cannot be resolved ({first_line(error)}): correct the name after ${{, or write "
+        r"\${ for these characters themselves."
     )
 
 
