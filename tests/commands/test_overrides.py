@@ -43,6 +43,7 @@ CASES = [
     (("train", "loss.thetta=0.5"), "loss=spatiotemporal has no setting thetta: use one of its own settings (theta)"),
     (("train", "budget.epoch=3"), "budget=demo has no setting epoch"),
     (("train", "lr=3"), "train.py has no setting lr"),
+    (("report", "model/warp_at=low"), "report.py has no setting model/warp_at, as it has no model"),
     (("evaluate", "loss=l1"), "evaluate.py has no setting loss"),
     (("train", "logger.tracking_uri=x"), "write tracking_uri=x"),
     (("render", "import=qrisp"), "write import_capture.py layout=qrisp"),

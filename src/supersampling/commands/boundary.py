@@ -37,11 +37,20 @@ def check_configuration(cfg: DictConfig, command: str) -> None:
             raise user_error from error
         if not raised_by_libraries(error):
             raise
-        words = " ".join(word for word in typed_overrides() if "${" in word)
-        raise UserError(
-            f"{words or error.full_key} cannot be resolved ({first_line(error)}): correct the name after ${{, or write "
-            r"\${ for these characters themselves."
-        ) from error
+        raise UserError(_unresolved(error, typed_overrides())) from error
+
+
+def _unresolved(error: OmegaConfBaseException, typed: list[str]) -> str:
+    """Return the sentence for a reference that leads nowhere."""
+    deleted = " ".join(word for word in typed if word.startswith("~"))
+    words = " ".join(word for word in typed if "${" in word)
+    if deleted and not words:
+        return f"{deleted} deletes what other settings refer to ({first_line(error)}): leave it out."
+    subject = words or error.full_key or "A setting"
+    return (
+        f"{subject} cannot be resolved ({first_line(error)}): correct the name after ${{, or write "
+        r"\${ for these characters themselves."
+    )
 
 
 def _check_parts(cfg: DictConfig, command: str) -> None:
@@ -54,14 +63,14 @@ def _check_parts(cfg: DictConfig, command: str) -> None:
 
 
 def explain(error: BaseException) -> UserError | None:
-    """Return the mistake of the user's that made a command fail in a library: a setting that was deleted or added, or
-    whose value a class of a library does not take. None if the error is ours.
+    """Return the mistake of the user that made a part of a command fail: a setting that was deleted or added, or
+    whose value a class does not take. None if the error is ours.
     """
     typed = typed_overrides()
     key = getattr(error, "full_key", None)
     if isinstance(error, (ConfigAttributeError, ConfigKeyError)) and f"~{key}" in (_deleted(word) for word in typed):
         return UserError(f"~{key} deletes a setting that the command needs: leave it out.")
-    if isinstance(error, InstantiationException) and raised_by_libraries(error):
+    if isinstance(error, InstantiationException) and isinstance(error.__cause__, (TypeError, ValueError)):
         return _rejected_settings(error, typed)
     return None
 
@@ -74,15 +83,11 @@ def _rejected_settings(error: InstantiationException, typed: list[str]) -> UserE
     """Return the sentence for settings of the command line that a class does not take; None if none concerns it."""
     match = re.search(r"full_key: ([\w.]+)", str(error))
     node = match[1] if match else ""
-    words = [word for word in typed if _concerns(key_of(word).replace("/", "."), node)]
+    words = [word for word in typed if node and key_of(word).startswith(f"{node}.")]
     if not words:
         return None
     reason = first_line(error.__cause__) if error.__cause__ is not None else first_line(error)
     return UserError(f"{' '.join(words)} cannot be used ({reason}): correct it, or leave it out.")
-
-
-def _concerns(key: str, node: str) -> bool:
-    return f"{key}.".startswith(f"{node}.") or f"{node}.".startswith(f"{key}.")
 
 
 class SweepCheck(Callback):

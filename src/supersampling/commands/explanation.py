@@ -85,6 +85,8 @@ def _missing_file(name: str, known: Sequence[str]) -> str:
 def _missing_slot(command: str, arguments: Sequence[str], slot: str) -> str:
     """Return which slots the model has, and which models have the slot."""
     model = _selected(command, arguments, "model")
+    if model not in group_options("model"):
+        return f"{command}.py has no setting model/{slot}, as it has no model: see python {command}.py --help."
     owners = [name for name in group_options("model") if slot in published_stages(name)]
     slots = ", ".join(published_stages(model)) or "none"
     advice = f"set model={' or model='.join(owners)}, or one" if owners else "use one"
