@@ -73,7 +73,7 @@ SMALL = {
     "show": ["data=smoke", "scene=atrium", "video=null", "data.train.clips=4"],
     "evaluate": ["data=smoke", "scene=atrium"],
     "count": ["scene=atrium"],
-    "benchmark": ["sizes=[[96,96]]", "rounds=1", "frames=2", "backends=[eager,tensorrt]"],
+    "benchmark": ["sizes=[[96,96]]", "rounds=1", "seconds=0.1", "frames=2", "backends=[eager,tensorrt]"],
     "export": ["scene=atrium", "check=2"],
     "advise": ["data=smoke", "budget=smoke", "scene=atrium", "rungs=[1]", "seeds=[1]", "size=[16,16]", "frames=1"],
     "report": [],
@@ -91,7 +91,9 @@ ORDER = {
     "advise": 3,
     "report": 5,
 }
-CUT = ("budget=", "budget.steps=", "trials=")  # every training is cut to the smallest
+# Every training and timing is cut to the smallest.
+CUT = ("budget=", "budget.steps=", "trials=", "rounds=", "seconds=", "sizes=")
+CUT_OF = {"advise": ("size=", "frames=", "rungs=", "seeds=")}
 # What needs files of the user's, or hours.
 UNRUN = (
     r"RUN_ID|compare|FILE|FOLDER|\.h5|stk/|budget=paper|experiment=|data=(dlctus|nsrr|nsrd|qrisp)"
@@ -109,7 +111,7 @@ def root(tmp_path_factory):
 @pytest.mark.parametrize("command", sorted(RUNNABLE, key=lambda c: ORDER[parsed(c)[0]]))
 def test_it_runs(command, root):
     name, multirun, overrides = parsed(command)
-    overrides = [o for o in overrides if not o.startswith(CUT)]
+    overrides = [o for o in overrides if not o.startswith(CUT + CUT_OF.get(name, ()))]
     small = [o for o in SMALL[name] if not any(w.startswith(o.split("=")[0] + "=") for w in overrides)]
     run = [sys.executable, f"{name}.py", *(["-m"] if multirun else []), *overrides, *small]
     where = (
