@@ -23,8 +23,8 @@ def capture(tmp_path_factory):
 
 
 def start(capture, out):
-    """Import in a separate process; it is forked, since starting an interpreter takes longer than the import."""
-    process = multiprocessing.get_context("fork").Process(
+    """Import in a separate process, which a server forks: torch's threads in this one do not survive a fork."""
+    process = multiprocessing.get_context("forkserver").Process(
         target=import_capture, args=("qrisp", capture, out), kwargs={"scale": 2}
     )
     process.start()
