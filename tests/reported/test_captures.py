@@ -97,12 +97,12 @@ def test_only_motion_in_low_resolution(command, row, copy, tmp_path):
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("path=2024", "Invalid path=2024: use the name of a folder, with ./ before a name that is a number."),
-        ("path=[a]", "Invalid path=['a']: use the name of a folder"),
+        ("path=2024", "Capture folder 2024 not found: correct path=."),
+        ("path=[a]", "Capture folder [a] not found: correct path=."),
         ("convention=1", "Unknown convention '1': use one of xy, "),
         ("reversed_depth=maybe", "Invalid reversed_depth=maybe: use true or false."),
         ("reversed_depth=1", "Invalid reversed_depth=1: use true or false."),
-        ("task.scale=two", "Invalid task.scale=two: use a whole number of at least 1."),
+        ("task.scale=two", "Invalid task.scale=two: use a whole number between 2 and 6."),
     ],
 )
 def test_settings_of_another_type(command, captures, tmp_path, setting, message):

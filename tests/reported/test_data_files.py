@@ -44,13 +44,19 @@ def one_sentence(answer) -> str:
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory):
-    return f"sqlite:///{tmp_path_factory.mktemp('store')}/mlflow.db"
+    folder = tmp_path_factory.mktemp("store")
+    return [f"tracking_uri=sqlite:///{folder}/mlflow.db", f"paths.artifacts={folder}/mlartifacts"]
 
 
-@pytest.fixture(autouse=True)
-def _one_store(store, monkeypatch):
+@pytest.fixture
+def scoring(scoring, store):
     """Use one database for all commands here, because creating one takes seconds."""
-    monkeypatch.setenv("MLFLOW_TRACKING_URI", store)
+    return [*scoring, *store]
+
+
+@pytest.fixture
+def data(data, store):
+    return [*data, *store]
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import torchvision  # noqa: F401 - it loads triton's LLVM, which crashes when Me
 from answers import Answer
 from gltf_files import SQUARE_UV, Builder, front_shot
 
-from supersampling.commands.entry import _format_warning
+from supersampling.process import _format_warning
 from supersampling.render.renderer import Renderer
 from supersampling.scenes.gltf import features, load_gltf
 

@@ -9,8 +9,7 @@ from mlflow.exceptions import MlflowException
 
 from supersampling.errors import UserError
 from supersampling.metrics.scores import Scores, read_scores, write_scores
-from supersampling.models.jau import JAU
-from supersampling.runs.method import load_weights_of_run, read_configuration
+from supersampling.runs.method import read_configuration
 from supersampling.runs.scores import scores_of
 
 
@@ -32,11 +31,6 @@ def test_broken_configuration(content, tmp_path):
     path.write_text(content)
     with pytest.raises(UserError, match=r"config\.yaml is truncated or no configuration of a method: restore it"):
         read_configuration(path)
-
-
-def test_run_without_weights(tmp_path):
-    with pytest.raises(UserError, match=r"Run r1 has no weights \(its artifact checkpoint/last\.ckpt is missing\)"):
-        load_weights_of_run(JAU(2), Artifacts(tmp_path), "r1")
 
 
 @pytest.fixture

@@ -94,11 +94,11 @@ def test_a_stopped_sweep_stops_and_goes_on_to_the_same_weights(how, files, whole
 
 
 def test_a_failed_job_stops_no_other(files, tmp_path):
-    """The first lacks more frames than there are; the second is trained, and the exit status tells of the first."""
-    process = begin(tmp_path, files, "model=dlctus", "budget.counted=99,2")
+    """The first needs larger images than there are; the second is trained, and the exit status tells of the first."""
+    process = begin(tmp_path, files, "model=dlctus", "budget.crop=512,32")
     _, said = process.communicate(timeout=SECONDS)
     assert process.returncode == 2
-    assert "budget.counted=99" in said
+    assert "budget.crop=512" in said
     assert "1 of the jobs failed" in said
     assert "Traceback" not in said
     assert statuses(tmp_path, "job").count("FINISHED") == 1

@@ -19,8 +19,6 @@ def import_capture(cfg: DictConfig) -> None:
         raise UserError(
             f"layout={cfg.layout} path={cfg.path} is incomplete: set layout=qrisp, nsrd or arm and path=FOLDER."
         )
-    if not isinstance(cfg.path, str):
-        raise UserError(f"Invalid path={cfg.path}: use the name of a folder, with ./ before a name that is a number.")
     if cfg.reversed_depth not in (None, True, False) or type(cfg.reversed_depth) is int:
         raise UserError(f"Invalid reversed_depth={cfg.reversed_depth}: use true or false.")
     paths = read_capture(

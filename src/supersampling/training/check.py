@@ -49,7 +49,7 @@ def check_training(cfg: DictConfig) -> None:
 
 def check_groups(cfg: DictConfig) -> None:
     """Raise `UserError` for a group that was set to null or to a word."""
-    for group in GROUPS:
+    for group in (group for group in GROUPS if group in cfg):
         value = OmegaConf.select(cfg, group)
         if not OmegaConf.is_dict(value):
             raise UserError(f"Invalid {group}={value}: use {group}=OPTION, one of {', '.join(group_options(group))}.")
