@@ -29,7 +29,7 @@ class Reserved(NamedTuple):
     harmless: tuple[Any, ...] = ()
 
 
-class Rule(NamedTuple):
+class Values(NamedTuple):
     """The values of an argument: a test, and their description."""
 
     allows: Callable[[Any], bool]
@@ -95,8 +95,8 @@ def duration(value: Any) -> timedelta | None:
     return time if timedelta(0) < time <= LONGEST else None
 
 
-def _choice(*options: Any) -> Rule:
-    return Rule(
+def _choice(*options: Any) -> Values:
+    return Values(
         lambda value: any(value == option and type(value) is type(option) for option in options),
         " or ".join(str(option).lower() if isinstance(option, bool) else str(option) for option in options),
     )
@@ -105,21 +105,21 @@ def _choice(*options: Any) -> Rule:
 _SWITCH = _choice(True, False)
 _TIME = "a time such as 00:12:00:00 (days, hours, minutes, seconds) or {hours:12}"
 
-RULES: dict[str, Rule] = {
-    "precision": Rule(_choice(*PRECISION_NAMES).allows, f"{', '.join(PRECISIONS[:-1])} or {PRECISIONS[-1]}"),
-    "gradient_clip_val": Rule(lambda value: _is_number(value) and value >= 0, "a number of at least 0, or null"),
+RULES: dict[str, Values] = {
+    "precision": Values(_choice(*PRECISION_NAMES).allows, f"{', '.join(PRECISIONS[:-1])} or {PRECISIONS[-1]}"),
+    "gradient_clip_val": Values(lambda value: _is_number(value) and value >= 0, "a number of at least 0, or null"),
     "gradient_clip_algorithm": _choice("norm", "value"),
-    "accumulate_grad_batches": Rule(lambda value: _is_whole(value, 1), "a whole number of at least 1"),
-    "limit_train_batches": Rule(_is_share, "a number of batches of at least 1, or a fraction such as 0.5"),
-    "limit_val_batches": Rule(
+    "accumulate_grad_batches": Values(lambda value: _is_whole(value, 1), "a whole number of at least 1"),
+    "limit_train_batches": Values(_is_share, "a number of batches of at least 1, or a fraction such as 0.5"),
+    "limit_val_batches": Values(
         lambda value: _is_number(value) and (value == 0 or _is_share(value)),
         "a number of clips, 0 for none, or a fraction such as 0.5",
     ),
-    "val_check_interval": Rule(
+    "val_check_interval": Values(
         lambda value: _is_share(value) or duration(value) is not None,
         f"a number of batches of at least 1, a fraction of an epoch such as 0.5, or {_TIME}",
     ),
-    "max_time": Rule(lambda value: duration(value) is not None, _TIME),
+    "max_time": Values(lambda value: duration(value) is not None, _TIME),
     "deterministic": _choice(True, False, "warn"),
     "profiler": _choice(*PROFILERS),
     **dict.fromkeys(("benchmark", "inference_mode", "detect_anomaly", "enable_progress_bar"), _SWITCH),

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supersampling.data.readers.exr_file import Part, read_channels, read_parts
+from supersampling.data.readers.exr_file import ExrPart, read_channels, read_parts
 from supersampling.data.readers.images import Image, check_size
 from supersampling.errors import UserError
 
@@ -137,7 +137,7 @@ class ExrImage:
             )
 
 
-def _select(path: Path, parts: Sequence[Part], choices: Sequence[str]) -> Layer:
+def _select(path: Path, parts: Sequence[ExrPart], choices: Sequence[str]) -> Layer:
     """Return the layer that has one of the choices: the only one, or of one part's the layer without a name."""
     layers = [
         Layer(number, prefix, choice)
@@ -176,5 +176,5 @@ def _prefix(channel: str) -> str:
     return layer + dot
 
 
-def _names(part: Part, prefix: str) -> list[str]:
+def _names(part: ExrPart, prefix: str) -> list[str]:
     return sorted(name for name in part.sampling if _prefix(name) == prefix)

@@ -15,7 +15,7 @@ DEEP = (OpenEXR.deepscanline, OpenEXR.deeptile)
 T = TypeVar("T")
 
 
-class Window(NamedTuple):
+class ExrWindow(NamedTuple):
     """The first and the last pixel of a rectangle."""
 
     left: int
@@ -27,7 +27,7 @@ class Window(NamedTuple):
     def size(self) -> tuple[int, int]:
         return self.right - self.left + 1, self.bottom - self.top + 1
 
-    def covers(self, window: "Window") -> bool:
+    def covers(self, window: "ExrWindow") -> bool:
         """Return whether each pixel of a window lies in this one."""
         before = self.left <= window.left and self.top <= window.top
         return before and self.right >= window.right and self.bottom >= window.bottom
@@ -36,26 +36,26 @@ class Window(NamedTuple):
         return f"{self.left},{self.top} to {self.right},{self.bottom}"
 
 
-class Part(NamedTuple):
+class ExrPart(NamedTuple):
     """The header of a part."""
 
     name: str
     sampling: Mapping[str, tuple[int, int]]
     """The steps in x and y between the pixels that are stored, by channel."""
-    data: Window
-    display: Window
+    data: ExrWindow
+    display: ExrWindow
     deep: bool
     attributes: Mapping[str, Any]
 
 
-def read_parts(path: Path) -> list[Part]:
+def read_parts(path: Path) -> list[ExrPart]:
     """Return the headers of a file.
 
     Raises:
         UserError: the file is missing, cannot be opened, is damaged, or is not EXR.
     """
 
-    def read() -> list[Part]:
+    def read() -> list[ExrPart]:
         file = OpenEXR.File(str(path), separate_channels=True, header_only=True)
         return [_part(file.header(k)) for k in range(len(file.parts))]
 
@@ -79,8 +79,8 @@ def read_channels(path: Path, part: int, names: Sequence[str]) -> list[NDArray[A
     return _decode(path, read)
 
 
-def _part(header: Mapping[str, Any]) -> Part:
-    return Part(
+def _part(header: Mapping[str, Any]) -> ExrPart:
+    return ExrPart(
         str(header.get("name", "")),
         {c.name: (c.xSampling, c.ySampling) for c in header["channels"]},
         _window(header["dataWindow"]),
@@ -90,9 +90,9 @@ def _part(header: Mapping[str, Any]) -> Part:
     )
 
 
-def _window(corners: tuple[Any, Any]) -> Window:
+def _window(corners: tuple[Any, Any]) -> ExrWindow:
     first, last = corners
-    return Window(*(int(n) for n in (*first, *last)))
+    return ExrWindow(*(int(n) for n in (*first, *last)))
 
 
 def _decode(path: Path, read: Callable[[], T]) -> T:

@@ -14,7 +14,7 @@ from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.materials import MaterialReader
 from supersampling.scenes.gltf.notes import Notes
-from supersampling.scenes.gltf.skins import Shape, deform
+from supersampling.scenes.gltf.skins import Geometry, deform
 from supersampling.scenes.scene import Mesh
 
 Floats = NDArray[np.float32]
@@ -98,7 +98,7 @@ class MeshReader:
         )
         material, coordinates, sampler = self._materials.number(primitive.material)
         uv = sampler.apply(coordinates.apply(reader.uv(coordinates)))
-        shape = Shape(reader.positions(), reader.normals(), reader.tangents(), vertices.triangles)
+        shape = Geometry(reader.positions(), reader.normals(), reader.tangents(), vertices.triangles)
         if joints is not None:
             shape = deform(shape, reader.skin(), joints)
         opaque = self._materials.materials[material].alpha == "opaque"
@@ -129,7 +129,7 @@ class MeshReader:
         return _Vertices(first + np.flatnonzero(used), triangulate(mode, renumbered[corners - first]))
 
 
-def _mesh(shape: Shape, uv: Floats, colors: Floats | None, material: int) -> Mesh:
+def _mesh(shape: Geometry, uv: Floats, colors: Floats | None, material: int) -> Mesh:
     positions, normals, tangents, triangles = shape
     if normals is None:
         # Section 3.7.2.1: flat normals, so that no two triangles share a vertex, and tangents of the file are ignored.

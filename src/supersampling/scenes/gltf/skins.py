@@ -9,7 +9,7 @@ Floats = NDArray[np.float32]
 Matrices = NDArray[np.float64]
 
 
-class Shape(NamedTuple):
+class Geometry(NamedTuple):
     """Positions ``(N, 3)``, unit normals ``(N, 3)`` and tangents ``(N, 4)`` or None, and triangles ``(M, 3)``."""
 
     positions: Floats
@@ -18,7 +18,7 @@ class Shape(NamedTuple):
     triangles: NDArray[np.int64]
 
 
-def deform(shape: Shape, skin: tuple[NDArray[np.int64], Floats] | None, joints: Matrices) -> Shape:
+def deform(shape: Geometry, skin: tuple[NDArray[np.int64], Floats] | None, joints: Matrices) -> Geometry:
     """Return a shape under the joint matrices ``(J, 4, 4)``, mixed by the weights.
 
     Triangles that mirroring joints turn inside out are wound the other way. A vertex without weights follows the first
@@ -43,7 +43,7 @@ def deform(shape: Shape, skin: tuple[NDArray[np.int64], Floats] | None, joints: 
     triangles = shape.triangles.copy()
     turned_over = mirrored[triangles].sum(axis=1) >= 2
     triangles[turned_over] = triangles[turned_over, ::-1]
-    return Shape(placed.astype(np.float32), normals, tangents, triangles)
+    return Geometry(placed.astype(np.float32), normals, tangents, triangles)
 
 
 def _mixed(numbers: NDArray[np.int64], weights: Floats, joints: Matrices) -> Matrices:
