@@ -3,7 +3,6 @@
 import errno
 import gc
 import re
-import resource
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
@@ -67,8 +66,17 @@ def describe_system_error(error: OSError, path: Path | None = None) -> UserError
     if error.errno not in _SYSTEM:
         return None
     file = path or error.filename or "A file"
+    return UserError(_SYSTEM[error.errno].format(file=file, limit=open_file_limit()))
+
+
+def open_file_limit() -> int | None:
+    """Return how many files this process may have open, None if the system sets no limit."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
     limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-    return UserError(_SYSTEM[error.errno].format(file=file, limit=limit))
+    return None if limit == resource.RLIM_INFINITY else limit
 
 
 def chain(error: BaseException | None) -> Iterator[BaseException]:

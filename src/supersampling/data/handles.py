@@ -2,7 +2,6 @@
 
 import itertools
 import os
-import resource
 import weakref
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import h5py
 
 from supersampling.data.hdf5 import open_hdf5
-from supersampling.errors import UserError
+from supersampling.errors import UserError, open_file_limit
 
 MOST = 64
 _SHARE = 4  # the limit of open files is 1024 on most systems; libraries, data loaders and MLflow need the rest
@@ -81,8 +80,8 @@ def changed(path: Path) -> UserError:
 
 def _close_unused() -> None:
     """Close files that were not read for the longest time, so that one more can be opened."""
-    limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-    most = max(1, min(MOST, limit // _SHARE)) if limit != resource.RLIM_INFINITY else MOST
+    limit = open_file_limit()
+    most = MOST if limit is None else max(1, min(MOST, limit // _SHARE))
     opened = sorted((handle for handle in _handles if handle.is_open), key=lambda handle: handle.last_use)
     for handle in opened[: max(0, len(opened) - most + 1)]:
         handle.close()

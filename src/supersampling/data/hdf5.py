@@ -1,7 +1,6 @@
 """Opening of HDF5 files, and what an error of HDF5 means: each cause has a sentence that says what to do."""
 
 import errno
-import fcntl
 import os
 import re
 from collections.abc import Iterator
@@ -101,6 +100,10 @@ def _explain_mark(path: Path) -> UserError:
 
 
 def _is_locked(path: Path) -> bool:
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        return False
     with path.open("rb") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
