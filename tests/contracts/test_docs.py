@@ -1,6 +1,7 @@
 """Every command in README.md and docs/: each composes (fast), and each runs on the smallest data (slow)."""
 
 import itertools
+import os
 import re
 import shlex
 import subprocess
@@ -8,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 
@@ -79,18 +81,6 @@ SMALL = {
     "report": [],
     "stress": ["models=[jau]", "extremes=[size/1x1]", "scene=atrium"],
 }
-ORDER = {
-    "count": 0,
-    "render": 0,
-    "show": 1,
-    "train": 2,
-    "evaluate": 3,
-    "export": 3,
-    "benchmark": 3,
-    "stress": 3,
-    "advise": 3,
-    "report": 5,
-}
 # Every training and timing is cut to the smallest.
 CUT = ("budget=", "budget.steps=", "trials=", "rounds=", "seconds=", "sizes=")
 CUT_OF = {"advise": ("size=", "frames=", "rungs=", "seeds=")}
@@ -102,23 +92,34 @@ UNRUN = (
 RUNNABLE = [c for c in COMMANDS if not re.search(UNRUN, c)]
 
 
-@pytest.fixture(scope="module")
+def run(name, words):
+    return subprocess.run([sys.executable, f"{name}.py", *words], cwd=ROOT, capture_output=True, text=True, timeout=900)
+
+
+@pytest.fixture(scope="session")
 def root(tmp_path_factory):
-    return tmp_path_factory.mktemp("project")
+    """Return a project with a trained run, which all test processes share: commands find each other's data and runs."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "documented"
+    folder.mkdir(exist_ok=True)
+    with FileLock(folder / "lock"):
+        if not (folder / "mlflow.db").exists():
+            done = run("train", [*SMALL["train"], f"paths.root={folder}"])
+            assert done.returncode == 0, done.stderr[-3000:]
+    return folder
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", sorted(RUNNABLE, key=lambda c: ORDER[parsed(c)[0]]))
+@pytest.mark.parametrize("command", RUNNABLE)
 def test_it_runs(command, root):
     name, multirun, overrides = parsed(command)
     overrides = [o for o in overrides if not o.startswith(CUT + CUT_OF.get(name, ()))]
     small = [o for o in SMALL[name] if not any(w.startswith(o.split("=")[0] + "=") for w in overrides)]
-    run = [sys.executable, f"{name}.py", *(["-m"] if multirun else []), *overrides, *small]
     where = (
         [f"paths.root={root}"]
         if name != "report"
         else [f"tracking_uri=sqlite:///{root}/mlflow.db", f"output={root}/out"]
     )
-    done = subprocess.run([*run, *where], cwd=ROOT, capture_output=True, text=True, timeout=900)
+    done = run(name, [*(["-m"] if multirun else []), *overrides, *small, *where])
     status = re.search(r"# status (\d+)$", command)  # documented of a command whose answer is that something fails
     assert done.returncode == (int(status[1]) if status else 0), done.stderr[-3000:]
