@@ -33,10 +33,10 @@ demo: setup
 	@echo "Read the report:   reports/out/overview.pdf"
 
 test: setup check
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 test-all: setup check
-	$(BIN)/python -m pytest -m '' -n 2
+	$(BIN)/python -m pytest -m '' -n 2 --dist worksteal
 
 check: $(INSTALLED)
 	$(BIN)/ruff check .

@@ -108,14 +108,15 @@ def test_no_command_line_ends_in_a_stack_trace(command, monkeypatch, tmp_path):
         name = draw.choice(list(COMMANDS))
         words = line_of(draw, keys[name])
         try:
-            status, text = command(name, *words)
+            answer = command(name, *words)
         except Exception as error:
             place = traceback.extract_tb(error.__traceback__)[-1]
             failures.append((name, words, repr(error)[:300], f"{place.filename}:{place.lineno}"))
             continue
-        errors = [line for line in text.splitlines() if line.startswith("error: ")]
-        if status not in (0, 2) or (status == 2 and len(errors) != 1) or "Traceback" in text:
-            failures.append((name, words, status, text[-600:]))
+        errors = [line for line in answer.text.splitlines() if line.startswith("error: ")]
+        wrong = answer.status not in (0, 2) or (answer.status == 2 and len(errors) != 1)
+        if wrong or "Traceback" in answer.text:
+            failures.append((name, words, answer.status, answer.text[-600:]))
     report = "\n".join(map(repr, failures))
     (tmp_path / "failures.txt").write_text(report)
     assert not failures, f"FUZZ_SEED={SEED}, {len(failures)} lines, in {tmp_path}/failures.txt:\n{report[:6000]}"

@@ -19,6 +19,7 @@ from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBase
 from supersampling.commands.explanation import explanation, first_line, raised_by_libraries
 from supersampling.config import composed, key_of, overrides_of, typed_overrides
 from supersampling.errors import UserError, find_user_error
+from supersampling.process import prepare_process
 from supersampling.training.check import check_numbers, check_training
 
 
@@ -70,7 +71,8 @@ def explain(error: BaseException) -> UserError | None:
     key = getattr(error, "full_key", None)
     if isinstance(error, (ConfigAttributeError, ConfigKeyError)) and f"~{key}" in (_deleted(word) for word in typed):
         return UserError(f"~{key} deletes a setting that the command needs: leave it out.")
-    if isinstance(error, InstantiationException) and isinstance(error.__cause__, (TypeError, ValueError)):
+    # Without a cause it is Hydra's own complaint.
+    if isinstance(error, InstantiationException) and isinstance(error.__cause__, (TypeError, ValueError, type(None))):
         return _rejected_settings(error, typed)
     return None
 
@@ -96,6 +98,7 @@ class SweepCheck(Callback):
     def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
         from supersampling.commands.entry import exit_with
 
+        prepare_process()
         name, words = str(kwargs["config_name"]), overrides_of(config.hydra)
         try:
             self._check(config, name, words)

@@ -128,6 +128,9 @@ def _start(name: str, flags: Flags, arguments: list[str]) -> None:
         with _quiet() if {"package", "shell_completion"} & flags.values.keys() else nullcontext():
             application(name)()
     except Exception as error:
+        user_error = find_user_error(error)  # of a resolver, which Hydra wraps
+        if user_error is not None:
+            raise user_error from error
         if _reached_command(error) or not raised_by_libraries(error):
             raise
         if "shell_completion" in flags:

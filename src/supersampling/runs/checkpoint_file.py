@@ -14,6 +14,7 @@ from supersampling.errors import DamagedFile, UserError, describe_system_error
 from supersampling.files import check_regular_file, replace_file
 
 _HEAD = b"PK\x03\x04"
+_FOLDER_MARK = 0x10  # of the attributes, as DOS has them
 # Of zipfile, for archives that are not whole.
 _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError, ValueError, OverflowError, MemoryError)
 _RESTORE = "restore it from a copy, or train again (a run that has finished: with fresh=true)"
@@ -82,14 +83,19 @@ def _check_whole(path: Path) -> None:
             return  # not an archive: an early version of PyTorch wrote it, or another program
         try:
             with zipfile.ZipFile(file) as archive:
-                bad = archive.testzip()
+                bad = archive.testzip() or next((i.filename for i in archive.infolist() if _reads_as_folder(i)), None)
         except _BROKEN as error:
             if isinstance(error, OSError) and describe_system_error(error, path):
                 raise
             reason = (str(error).splitlines() or [type(error).__name__])[0]
             raise _damaged(path, f"is truncated or damaged ({reason})") from error
     if bad:
-        raise _damaged(path, f"is damaged (the checksum of {bad} is wrong)")
+        raise _damaged(path, f"is damaged ({ascii(bad)[:80]} does not fit its checksum or its attributes)")
+
+
+def _reads_as_folder(member: zipfile.ZipInfo) -> bool:
+    """Return whether a file of an archive is marked as a folder: PyTorch reads zeros then."""
+    return bool(member.external_attr & _FOLDER_MARK and member.file_size)
 
 
 def _damaged(path: Path, reason: str) -> DamagedFile:
