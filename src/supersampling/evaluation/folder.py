@@ -46,9 +46,7 @@ def _clip(folder: Path, suffix: str, frames: int) -> list[Path]:
     mismatch = next((file for file in images if file.suffix.lower() != suffix), None)
     if mismatch is not None:
         hint = "set space=radiance for EXR" if mismatch.suffix.lower() == ".exr" else f"export {suffix} images"
-        raise UserError(
-            f"{mismatch} is not a {suffix} image, as the setting space requires: {hint}, or move it away."
-        )
+        raise UserError(f"{mismatch} is not a {suffix} image, as the setting space requires: {hint}, or move it away.")
     numbered: dict[int, Path] = {}
     for file in images:
         digits = re.search(r"(\d+)$", file.stem)
