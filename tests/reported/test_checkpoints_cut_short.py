@@ -98,7 +98,7 @@ def flip(path):
         (lambda path: path.write_bytes(b""), "is empty"),
         (lambda path: os.truncate(path, 2), "is truncated or damaged"),
         (lambda path: os.truncate(path, path.stat().st_size - 1), "is truncated or damaged"),
-        (flip, "does not fit its checksum or its attributes"),
+        (flip, "is damaged ('archive/data/"),
     ],
 )
 def test_damaged_checkpoint(change, part, checkpoint):

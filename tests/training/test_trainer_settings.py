@@ -125,7 +125,7 @@ def test_group_without_an_option(configured, group, value):
 def test_missing_group(configured):
     cfg = configured()
     with open_dict(cfg):
-        del cfg["trainer"]
+        cfg["trainer"] = None
     with pytest.raises(UserError, match="Invalid trainer=None: use trainer=OPTION, one of default"):
         check_training(cfg)
 
