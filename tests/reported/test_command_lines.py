@@ -201,6 +201,7 @@ MISTAKES = [
     ("hydra.run.dir=/proc/x", "A folder cannot be used"),
     ("hydra.mode=FOO", "Invalid value 'FOO', expected one of [RUN, MULTIRUN]"),
     ("+loss.gamma=1", "+loss.gamma=1 cannot be used"),
+    ("~model/initialise", "~model/initialise cannot be used"),
 ]
 
 

@@ -85,11 +85,17 @@ def _rejected_settings(error: InstantiationException, typed: list[str]) -> UserE
     """Return the sentence for settings of the command line that a class does not take; None if none concerns it."""
     match = re.search(r"full_key: ([\w.]+)", str(error))
     node = match[1] if match else ""
-    words = [word for word in typed if node and key_of(word).startswith(f"{node}.")]
+    words = [word for word in typed if node and _changes_inside(word, node)]
     if not words:
         return None
     reason = first_line(error.__cause__) if error.__cause__ is not None else first_line(error)
     return UserError(f"{' '.join(words)} cannot be used ({reason}): correct it, or leave it out.")
+
+
+def _changes_inside(word: str, node: str) -> bool:
+    """Return whether a word sets or deletes a setting inside of a part, or deletes one of its slots."""
+    key = key_of(word).replace("/", ".") if word.startswith("~") else key_of(word)
+    return key.startswith(f"{node}.")
 
 
 class SweepCheck(Callback):
