@@ -1,5 +1,7 @@
 """One door: ``supersampling COMMAND``, the scripts, the configurations and the pages have the same names."""
 
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
@@ -35,6 +37,12 @@ def test_help_lists_every_command(capsys):
     for name in entry.COMMANDS:
         assert f"  {name} " in text
     assert all(len(line) <= 120 for line in text.splitlines())
+
+
+def test_help_loads_no_slow_library():
+    code = "import sys, supersampling.commands.entry; print({'torch', 'lightning', 'mlflow'} & sys.modules.keys())"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert loaded.stdout == "set()\n"
 
 
 def test_an_unknown_command(capsys):

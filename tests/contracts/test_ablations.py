@@ -15,8 +15,8 @@ from model_cases import CONF, clip
 from omegaconf import OmegaConf
 
 from supersampling.frames import BUFFERS
-from supersampling.training.check import check_numbers
 from supersampling.training.module import Training
+from supersampling.training.numbers import check_numbers
 
 SHARP = "task.scale=2 task.mip_bias=sharp"  # the thesis's data set 2
 TWO = "task.scale=2"

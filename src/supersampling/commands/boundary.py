@@ -20,7 +20,7 @@ from supersampling.commands.explanation import explanation, first_line, raised_b
 from supersampling.config import composed, key_of, overrides_of, typed_overrides
 from supersampling.errors import UserError, find_user_error
 from supersampling.process import prepare_process
-from supersampling.training.check import check_numbers, check_training
+from supersampling.training.numbers import check_numbers
 
 
 def check_configuration(cfg: DictConfig, command: str) -> None:
@@ -147,6 +147,8 @@ def _jobs(config: DictConfig, words: list[str]) -> list[list[str]]:
 
 def _check_training(cfg: DictConfig, parts: set[str]) -> None:
     """Check how a job is trained, each way once."""
+    from supersampling.training.check import check_training  # with torch and Lightning, which --help does not need
+
     text = "".join(OmegaConf.to_yaml(cfg[key], resolve=True) for key in ("trainer", "budget", "optimizer"))
     if text not in parts:
         parts.add(text)
