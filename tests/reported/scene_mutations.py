@@ -1,14 +1,18 @@
 """Mutations of scene files for fuzzing: of JSON trees, of text and of bytes, each from a seeded generator."""
 
 import copy
-import os
 import resource
-import time
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
+from fuzzing import trials
+
+from supersampling.errors import UserError
 
 Random = np.random.Generator
 EXTREMES: tuple[Any, ...] = (
@@ -19,13 +23,25 @@ EXTREMES: tuple[Any, ...] = (
 MEMORY = 2 << 30  # bytes that one file may take besides those in use
 
 
-def seeds(default: float = 20.0) -> Iterator[int]:
-    """Yield 0, 1, 2, ... for as many seconds as ``FUZZ_SECONDS`` says, from ``FUZZ_SEED`` on."""
-    end = time.monotonic() + float(os.environ.get("FUZZ_SECONDS", default))
-    seed = int(os.environ.get("FUZZ_SEED", 0))
-    while time.monotonic() < end:
-        yield seed
-        seed += 1
+def check_mutations(load: Callable[[int], None], place: Path) -> None:
+    """Load a mutated file for each seed: a scene or one line of `UserError`, and both occur. ``place`` has the files."""
+    scenes = count = 0
+    for seed in trials():
+        count += 1
+        try:
+            with warnings.catch_warnings(), bounded_memory():
+                warnings.simplefilter("ignore")
+                load(seed)
+            scenes += 1
+        except UserError as error:
+            if "\n" in str(error):
+                pytest.fail(f"seed {seed}, {place}: {error}")
+        except BaseException:
+            print(f"seed {seed}; the files are in {place}")
+            raise
+    print(f"{count} inputs, {scenes} scenes")
+    assert scenes > 0.05 * count
+    assert scenes < 0.95 * count
 
 
 @contextmanager

@@ -1,30 +1,19 @@
 """Captures with random edits: refused in a sentence, imported with the same values, or with a line about it."""
 
 import itertools
-import os
 import random
 import shutil
-import time
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from capture_edits import Effect, edit_capture
 from capture_files import make_source
+from fuzzing import trials
 
 from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.exporters.exporting import export
 from supersampling.data.readers.importing import import_capture
 from supersampling.errors import UserError
-
-
-def seeds() -> Iterator[int]:
-    """Yield seeds from ``FUZZ_SEED`` on for a third of ``FUZZ_SECONDS``: one layout's share."""
-    end = time.monotonic() + float(os.environ.get("FUZZ_SECONDS", "20")) / 3.0
-    for seed in itertools.count(int(os.environ.get("FUZZ_SEED", "0"))):
-        yield seed
-        if time.monotonic() > end:
-            return
 
 
 def read(paths):
@@ -68,7 +57,7 @@ def test_edited_captures(captures, layout, tmp_path, capsys):
     capsys.readouterr()
     expected = attempt(layout, captures[layout], tmp_path / "plain")
     lines = set(capsys.readouterr().out.splitlines())
-    for seed in seeds():
+    for seed in trials(share=1 / 3):  # of three layouts
         folder = tmp_path / str(seed)
         capture = shutil.copytree(captures[layout], folder / layout)
         names, effects = edit_capture(capture, random.Random(f"{layout} {seed}"))

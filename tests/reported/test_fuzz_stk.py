@@ -1,15 +1,13 @@
 """Mutated SuperTuxKart tracks: each gives a scene of finite numbers or one sentence."""
 
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
-from scene_mutations import Random, bounded_memory, mutated_bytes, mutated_text, seeds
+from scene_mutations import Random, check_mutations, mutated_bytes, mutated_text
 from stk_files import WALL, WALL_INDICES, Vertex, spm_bytes, write_track
 
-from supersampling.errors import UserError
 from supersampling.scenes.scene import Scene
 from supersampling.scenes.stk import load_track
 
@@ -119,20 +117,4 @@ def test_the_track_itself_is_whole(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_mutated_tracks(tmp_path: Path) -> None:
-    scenes = count = 0
-    for seed in seeds():
-        count += 1
-        try:
-            with warnings.catch_warnings(), bounded_memory():
-                warnings.simplefilter("ignore")
-                check(load(seed, tmp_path))
-            scenes += 1
-        except UserError as error:
-            if "\n" in str(error):
-                pytest.fail(f"seed {seed}, {tmp_path}: {error}")
-        except BaseException:
-            print(f"seed {seed}; the data are in {tmp_path}")
-            raise
-    print(f"{count} tracks, {scenes} scenes")
-    assert scenes > 0.05 * count
-    assert scenes < 0.95 * count
+    check_mutations(lambda seed: check(load(seed, tmp_path)), tmp_path)

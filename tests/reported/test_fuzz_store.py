@@ -1,20 +1,17 @@
 """Random settings and random folder names: a sentence, or a store that gives back what was written."""
 
-import os
 import random
 import shutil
-import time
 from pathlib import Path
 
 import pytest
+from fuzzing import trials
 
 from supersampling.errors import UserError
 from supersampling.runs.experiment import open_experiment
 from supersampling.runs.location import VARIABLE, Location, read_location, uri_of_file
 from supersampling.runs.store import Store
 
-SECONDS = float(os.environ.get("FUZZ_SECONDS", "20"))
-SEED = int(os.environ.get("FUZZ_SEED", "0"))
 SETTINGS = (
     "sqlite:///mlflow.db",
     "sqlite:///a/b/mlflow.db?timeout=5",
@@ -68,9 +65,8 @@ def usable(location: Location, folder: Path) -> bool:
 @pytest.mark.slow
 def test_settings(new_database: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv(VARIABLE, raising=False)
-    end, seed, opened = time.monotonic() + SECONDS / 2, SEED, 0
-    while time.monotonic() < end:
-        seed += 1
+    opened = 0
+    for seed in trials(share=1 / 2):
         rng = random.Random(seed)
         setting = mutated(rng, rng.choice(SETTINGS))
         folder = tmp_path / "work" / "inner"
@@ -97,9 +93,8 @@ def test_settings(new_database: Path, tmp_path: Path, monkeypatch: pytest.Monkey
 @pytest.mark.slow
 def test_folder_names(new_database: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv(VARIABLE, raising=False)
-    end, seed, opened = time.monotonic() + SECONDS / 2, SEED, 0
-    while time.monotonic() < end:
-        seed += 1
+    opened = 0
+    for seed in trials(share=1 / 2):
         rng = random.Random(seed)
         parent = tmp_path / str(seed)
         project = parent / folder_name(rng)
