@@ -88,6 +88,11 @@ def chain(error: BaseException | None) -> Iterator[BaseException]:
         error = error.__cause__ or error.__context__
 
 
+def first_line(error: BaseException) -> str:
+    """Return the first line of an error's message, the error's class if it has none."""
+    return (str(error).splitlines() or [type(error).__name__])[0]
+
+
 def find_user_error(error: BaseException) -> UserError | None:
     """Return the first user mistake along an exception's chain of causes: Hydra wraps what a constructor raises."""
     for cause in chain(error):

@@ -16,7 +16,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
-from supersampling.commands.explanation import explanation, first_line, raised_by_libraries
+from supersampling.commands.explanation import explanation, raised_by_libraries, reason_of
 from supersampling.config import composed, key_of, overrides_of, typed_overrides
 from supersampling.errors import UserError, find_user_error
 from supersampling.process import prepare_process
@@ -46,10 +46,10 @@ def _unresolved(error: OmegaConfBaseException, typed: list[str]) -> str:
     deleted = " ".join(word for word in typed if word.startswith("~"))
     words = " ".join(word for word in typed if "${" in word)
     if deleted and not words:
-        return f"{deleted} deletes what other settings refer to ({first_line(error)}): leave it out."
+        return f"{deleted} deletes what other settings refer to ({reason_of(error)}): leave it out."
     subject = words or error.full_key or "A setting"
     return (
-        f"{subject} cannot be resolved ({first_line(error)}): correct the name after ${{, or write "
+        f"{subject} cannot be resolved ({reason_of(error)}): correct the name after ${{, or write "
         r"\${ for these characters themselves."
     )
 
@@ -88,7 +88,7 @@ def _rejected_settings(error: InstantiationException, typed: list[str]) -> UserE
     words = [word for word in typed if node and _changes_inside(word, node)]
     if not words:
         return None
-    reason = first_line(error.__cause__) if error.__cause__ is not None else first_line(error)
+    reason = reason_of(error.__cause__) if error.__cause__ is not None else reason_of(error)
     return UserError(f"{' '.join(words)} cannot be used ({reason}): correct it, or leave it out.")
 
 

@@ -33,11 +33,11 @@ def raised_by_libraries(error: BaseException) -> bool:
     return not any(file.is_relative_to(PACKAGE) for file in files)
 
 
-def first_line(error: BaseException) -> str:
+def reason_of(error: BaseException) -> str:
     """Return the reason of an error in one line, without the remark that an override could not be read or merged."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     if lines and lines[0].startswith("Error merging override") and error.__cause__ is not None:
-        return f"{lines[0].removeprefix('Error merging override ')}: {first_line(error.__cause__)}"
+        return f"{lines[0].removeprefix('Error merging override ')}: {reason_of(error.__cause__)}"
     if len(lines) > 1 and lines[0].startswith("Error parsing override"):
         lines = lines[1:]
     return lines[0].rstrip(".:") if lines else type(error).__name__
@@ -47,7 +47,7 @@ def explanation(command: str, arguments: Sequence[str], error: Exception) -> str
     """Return one sentence for an error of Hydra's while it reads or composes a command line."""
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
         return _missing_file(str(error.missing_cfg_file), error.options or ())
-    text = first_line(error)
+    text = reason_of(error)
     if isinstance(error, OSError):
         return f"A folder cannot be used ({text}): set paths.root, hydra.run.dir or hydra.sweep.dir to another one."
     several = re.search(r"Ambiguous value for argument '(.*?)=(.*)'", text)

@@ -14,7 +14,7 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from supersampling.errors import UserError, describe_system_error
+from supersampling.errors import UserError, describe_system_error, first_line
 from supersampling.files import check_regular_file
 
 FILE = "frames.parquet"
@@ -64,9 +64,7 @@ def read_scores(path: Path) -> Scores:
     except (pa.ArrowException, OSError) as error:
         if isinstance(error, OSError) and (condition := describe_system_error(error, path)):
             raise condition from error
-        raise UserError(
-            f"{path} is not a Parquet table of scores ({str(error).splitlines()[0]}): write it again."
-        ) from error
+        raise UserError(f"{path} is not a Parquet table of scores ({first_line(error)}): write it again.") from error
     metrics = [name for name in table.column_names if name not in PLACE]
     _check_columns(path, table, metrics)
     rows = table.to_pandas(types_mapper={pa.int32(): pd.Int32Dtype(), pa.int64(): pd.Int64Dtype()}.get)

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from supersampling.data.dataset_file import read_spec
-from supersampling.errors import UserError
+from supersampling.errors import UserError, first_line
 from supersampling.evaluation.score import whole_clips
 from supersampling.metrics.prepare import Prepare
 from supersampling.models.base import Upsampler
@@ -57,7 +57,7 @@ def measure(
             players[variant] = backend.load(copy.deepcopy(model), options)
         # A stage that cannot be exported, or a type that an operation does not support.
         except (UserError, RuntimeError) as error:
-            reasons[variant] = (str(error).splitlines() or [type(error).__name__])[0][:LONGEST_REASON]
+            reasons[variant] = first_line(error)[:LONGEST_REASON]
     clips = whole_clips(list(files), model.requires, 0)
     rows = roll(model, players, clips, prepare, None if all_clips else first_clips(clips))
     return rows.assign(machine=machine()), reasons

@@ -13,7 +13,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from supersampling import __version__
-from supersampling.errors import UserError
+from supersampling.errors import UserError, first_line
 from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.checkpoint_file import load_checkpoint
@@ -81,7 +81,7 @@ def build(model: Mapping[str, Any], source: str, **constants: float) -> Upsample
     try:
         result = instantiate(config, **constants)
     except InstantiationException as error:
-        reason = str(error).splitlines()[0]
+        reason = first_line(error)
         raise UserError(
             f"{source} describes a model that this version ({__version__}) cannot build ({reason}): use the version "
             "that "
@@ -103,7 +103,7 @@ def load_weights(model: Upsampler, checkpoint: Path) -> None:
     try:
         model.load_state_dict(state)
     except RuntimeError as error:
-        reason = str(error).splitlines()[0]
+        reason = first_line(error)
         raise UserError(
             f"{checkpoint} does not hold weights of the configured model ({reason}): set model=... as it was trained."
         ) from error

@@ -10,7 +10,7 @@ import torch
 from lightning.fabric.plugins import TorchCheckpointIO
 from torch import Tensor
 
-from supersampling.errors import DamagedFile, UserError, describe_system_error
+from supersampling.errors import DamagedFile, UserError, describe_system_error, first_line
 from supersampling.files import check_regular_file, replace_file
 
 _HEAD = b"PK\x03\x04"
@@ -69,7 +69,7 @@ def _load(path: Path) -> Any:
         raise
     # PyTorch and pickle raise errors of many classes for files of other programs.
     except Exception as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        reason = first_line(error)
         raise UserError(f"{path} is not a checkpoint ({reason}): name a file of train.py.") from error
 
 
@@ -87,7 +87,7 @@ def _check_whole(path: Path) -> None:
         except _BROKEN as error:
             if isinstance(error, OSError) and describe_system_error(error, path):
                 raise
-            reason = (str(error).splitlines() or [type(error).__name__])[0]
+            reason = first_line(error)
             raise _damaged(path, f"is truncated or damaged ({reason})") from error
     if bad:
         raise _damaged(path, f"is damaged ({ascii(bad)[:80]} does not fit its checksum or its attributes)")

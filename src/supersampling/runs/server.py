@@ -9,7 +9,7 @@ from mlflow.exceptions import MlflowException
 from mlflow.utils.credentials import get_default_host_creds
 from mlflow.utils.rest_utils import http_request
 
-from supersampling.errors import UserError, chain
+from supersampling.errors import UserError, chain, first_line
 from supersampling.runs.location import Location
 
 ENDPOINT = "/api/2.0/mlflow/experiments/search"
@@ -37,7 +37,7 @@ def check_server(location: Location) -> None:
         )
     except (MlflowException, OSError, ImportError, ValueError) as error:
         sentence = explain_request(location, error) or (
-            f"The request to tracking_uri={location} cannot be made ({_first_line(error)}): check the variables that "
+            f"The request to tracking_uri={location} cannot be made ({first_line(error)}): check the variables that "
             "begin with MLFLOW_TRACKING_."
         )
         raise UserError(sentence) from error
@@ -138,8 +138,4 @@ def _no_answer(location: Location, reason: str) -> str:
 def _innermost(causes: list[BaseException]) -> str:
     """Return the operating system's own words, which libraries wrap in theirs."""
     errors = [cause for cause in causes if isinstance(cause, OSError) and cause.strerror]
-    return str(errors[-1].strerror) if errors else _first_line(causes[-1])
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]
+    return str(errors[-1].strerror) if errors else first_line(causes[-1])

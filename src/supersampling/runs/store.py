@@ -14,7 +14,7 @@ import pandas as pd
 from mlflow.entities import Run as MlflowRun
 from mlflow.exceptions import MlflowException
 
-from supersampling.errors import UserError
+from supersampling.errors import UserError, first_line
 from supersampling.metrics import scores
 from supersampling.runs import tags
 from supersampling.runs.experiment import FINISHED
@@ -137,7 +137,7 @@ class Store:
                 parquet = run_id in files
                 tables[run_id] = getattr(scores.read_scores(path), level) if parquet else _read_table(path)
             except (UserError, ValueError, KeyError, TypeError) as error:
-                self.note(run_id, f"{path.name} cannot be read ({_first_line(error)})")
+                self.note(run_id, f"{path.name} cannot be read ({first_line(error)})")
             if path.is_relative_to(self.folder):  # a copy
                 path.unlink()
         if level == "clips" and runs and all(run.id in self.problems for run in runs) and not tables:
@@ -164,7 +164,7 @@ class Store:
                 raw: dict[str, Any] = json.loads(files[run.id].read_text(encoding="utf-8"))
                 tables.append((run, pd.DataFrame(raw["data"], columns=raw["columns"])))
             except (ValueError, KeyError, TypeError) as error:
-                self.note(run.id, f"{name} cannot be read ({_first_line(error)})")
+                self.note(run.id, f"{name} cannot be read ({first_line(error)})")
         return tables
 
     def folders(self, runs: Sequence[Run], name: str) -> dict[str, Path]:
@@ -183,7 +183,7 @@ class Store:
             try:
                 return fetch(run)
             except (UserError, MlflowException, OSError) as error:
-                failed[run.id] = f"{name} could not be downloaded ({_first_line(error)})"
+                failed[run.id] = f"{name} could not be downloaded ({first_line(error)})"
                 return None
 
         failed: dict[str, str] = {}
@@ -198,7 +198,7 @@ class Store:
         try:
             points = self._client.get_metric_history(run.id, metric)
         except (UserError, MlflowException, OSError) as error:
-            self.note(run.id, f"{metric} by step could not be read ({_first_line(error)})")
+            self.note(run.id, f"{metric} by step could not be read ({first_line(error)})")
             return []
         return sorted({point.step: point.value for point in points}.items())
 
@@ -223,10 +223,6 @@ def _run(job: MlflowRun) -> Run:
         metrics={sys.intern(k): v for k, v in job.data.metrics.items() if not _SCENE_MEAN.fullmatch(k)},
         kind=kind,
     )
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]
 
 
 def _read_table(path: Path) -> pd.DataFrame:

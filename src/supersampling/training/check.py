@@ -7,7 +7,7 @@ from omegaconf import DictConfig, OmegaConf
 from torch import nn
 
 from supersampling.config import group_options
-from supersampling.errors import UserError
+from supersampling.errors import UserError, first_line
 from supersampling.runs.naming import is_learned
 from supersampling.training.devices import devices_of
 from supersampling.training.numbers import check_numbers
@@ -45,7 +45,7 @@ def check_schedule(cfg: DictConfig) -> None:
         group = "budget.scheduler"
         schedule = instantiate(scheduled(cfg).budget.scheduler)(optimizer)
     except (InstantiationException, TypeError, ValueError, ZeroDivisionError, AttributeError) as error:
-        reason = str(error).splitlines()[0].rstrip(".")
+        reason = first_line(error).rstrip(".")
         raise UserError(f"The settings of {group} cannot be used ({reason}): correct {group}.*.") from error
     end, steps = getattr(schedule, "total_steps", None), optimizer_steps(cfg)
     if end is not None and end < steps:
