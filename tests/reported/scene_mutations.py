@@ -24,7 +24,7 @@ MEMORY = 2 << 30  # bytes that one file may take besides those in use
 
 
 def check_mutations(load: Callable[[int], None], place: Path) -> None:
-    """Load a mutated file for each seed: a scene or one line of `UserError`, and both occur. ``place`` has the files."""
+    """Load a mutated file for each seed: a scene or one line of `UserError`, and both occur; ``place`` has them."""
     scenes = count = 0
     for seed in trials():
         count += 1
