@@ -16,7 +16,7 @@ from supersampling.runs.identity import flat_parameters
 
 PAPERS = {name: load_paper(Path(CONF.parent / "reports" / "published" / f"{name}.yaml")) for name in ("nsrd", "dlctus")}
 # Classical methods run by themselves beside each job.
-BASELINES = ("model=bicubic", "model=jau", "model=tus")
+BASELINES = ("model=bicubic", "model=jau", "model=tus_thesis", "model=tus")
 FORMS = [(name, "") for name in SWEEPS] + [(name, words) for name, (words, _) in IN_MINUTES.items()]
 
 

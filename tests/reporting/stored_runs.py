@@ -15,7 +15,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = ("atrium", "foundry", "stk/zengarden")
 FINGERPRINT = "3fa9c07715d2e8b1"
-CLASSICAL = {"bicubic": 29.99, "jau": 31.83, "tus": 33.68}
+CLASSICAL = {"bicubic": 29.99, "jau": 31.83, "tus_thesis": 32.9, "tus": 33.68}
 STAGES = {
     "reproject": "bicubic9", "dilate": "none", "accumulate": "buffer", "pad": "jitter_aligned",
     "confine": "straight_through", "initialise": "balanced",
@@ -37,7 +37,7 @@ class Log:
         if model == "dlctus":
             params |= {f"model.{stage}": option for stage, option in STAGES.items()}
             params |= {"loss": "l1", "budget": "laptop", "seed": 0}
-        if model == "tus":
+        if model in ("tus", "tus_thesis"):
             params |= {"model.reproject": "bicubic9", "model.dilate": "none", "model.rectify": "clamp_rgb"}
         params |= other.pop("params", {})
         tags = {
