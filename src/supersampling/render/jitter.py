@@ -34,7 +34,7 @@ def halton(length: int) -> NDArray[np.float32]:
 
 def thesis_4x4() -> NDArray[np.float32]:
     """Return the centres of the 16 high-resolution pixels: ``(16, 2)`` (DLCTUS 4.2.2)."""
-    pixels = ((int(x), int(y)) for x, y in _ORDER_4X4.split())
+    pixels = ((int(pixel[0]), int(pixel[1])) for pixel in _ORDER_4X4.split())
     return np.array([((x + 0.5) / 4 - 0.5, (y + 0.5) / 4 - 0.5) for x, y in pixels], dtype=np.float32)
 
 
