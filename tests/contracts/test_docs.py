@@ -92,7 +92,7 @@ SMALL = {
 }
 # Every training and timing is cut to the smallest.
 CUT = ("budget=", "budget.steps=", "trials=", "rounds=", "seconds=", "sizes=")
-CUT_OF = {"advise": ("size=", "frames=", "rungs=", "seeds="), "train": ("data.train.clips=",)}
+CUT_OF = {"advise": ("size=", "frames=", "rungs=", "seeds="), "train": ("data.train.clips=", "scene=[atrium,")}
 # Of a list of methods to time, the first and the last: each is timed in tests of its own.
 LISTED = re.compile(r"(methods=\[[^,\]]+,)(?:.+,)([^,]+\])")
 # What needs files of the user's, or hours.
