@@ -132,8 +132,9 @@ class SweepCheck(Callback):
                 if name == "train":
                     _check_training(cfg, parts)
             except UserError as error:
-                words = [word for word in job if not all(word in words for words in jobs)] or job
-                raise UserError(f"{' '.join(words)}: {error} No job was started.") from error
+                shared = set.intersection(*map(set, jobs))
+                differing = [word for word in job if word not in shared] or job
+                raise UserError(f"{' '.join(differing)}: {error} No job was started.") from error
             finally:
                 HydraConfig.instance().cfg = None
 
