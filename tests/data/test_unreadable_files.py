@@ -3,6 +3,7 @@
 import errno
 import os
 import pickle
+import re
 import resource
 import shutil
 import subprocess
@@ -215,15 +216,23 @@ def test_missing_buffer_is_named(path):
         DatasetFile(path).read("albedo", 0, slice(0, 1))
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of h5py, which closes the file
-def test_a_limit_of_file_sizes_is_named(tmp_path):
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
-    try:
-        with pytest.raises(UserError, match=r"part0\.h5 would be larger than .* the limit of ulimit -f allows"):
-            make_source(tmp_path / "large")
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+@pytest.mark.parametrize("joined", [False, True])
+def test_a_limit_of_file_sizes_is_named(joined, intact, tmp_path):
+    """One clip or the whole file is too large: in a process of its own, which must end without a crash."""
+    limit = intact.stat().st_size - 1000 if joined else 20_000
+    write = (
+        "import resource, sys; from pathlib import Path; from capture_files import make_source;"
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit})); make_source(Path(sys.argv[1]), split='test')"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    result = subprocess.run(
+        [sys.executable, "-c", write, tmp_path / "large"], env=environment, capture_output=True, text=True
+    )
+    assert result.returncode == 1, result.stderr
+    name = "closed" if joined else "part0"
+    assert re.search(rf"{name}\S*\.h5 would be larger than .* the limit of ulimit -f allows", result.stderr)
+    assert "Exception ignored" not in result.stderr
+    assert not list((tmp_path / "large").rglob("*.tmp"))
 
 
 def test_few_files_are_open_at_once(intact, tmp_path):
