@@ -34,23 +34,28 @@ class Disocclusion:
     """Disocclusion mask of a low-resolution frame's dual motion vectors, and true masks by object ids and by depth.
 
     ``mask`` is ``|motion_dual - motion| >= 0.1`` pixels on either axis (NSRD 3.2); ``inside`` are pixels whose point
-    was in the previous frame's image. A pixel was truly ``hidden`` if the four samples around its point's position in
-    the previous frame, drawn with `DETAIL` x `DETAIL` samples per target pixel, all show nearer surfaces, and the four
-    samples around the pixel's centre in the current frame, drawn likewise, do not; ``veiled`` pixels lack only the
-    latter. ``nearly`` hidden pixels are hidden anywhere within half a low-resolution pixel of that position, which is
-    the largest distance to the nearest sample of a low-resolution frame; ``surely`` hidden ones everywhere within it.
+    was in the previous frame's image. A pixel was truly ``hidden`` if the previous frame, drawn with `DETAIL` x
+    `DETAIL` samples per target pixel, shows a nearer surface at its point's position, and not all four samples around
+    the pixel's centre in the current frame, drawn likewise, do. ``nearly`` hidden pixels are hidden anywhere within
+    half a low-resolution pixel of that position, which is the largest distance to the nearest sample of a
+    low-resolution frame; ``surely`` hidden ones everywhere within it.
+
+    ``certain`` are the hidden pixels for which all four samples around the position show nearer surfaces: the others
+    are closer to an edge than the truth can tell. ``veiled`` pixels would be certain if they were visible now.
+    ``cause`` is 1 + the index in `CAUSES` at certain pixels, else 0.
 
     Object ids cannot show where an object hides itself. So ``judged`` leaves out pixels that were hidden by the same
     object, either truly or (pixels of ``mask``) in the previous low-resolution frame. ``by_object`` are pixels hidden
     by another object, ``nearly_by_object`` likewise. ``beyond`` are pixels that no such mask can get right: those whose
     point was within a low-resolution pixel of alpha-tested surfaces, which are finer than one sample per pixel can
     show, and hidden ones that move by under 0.1 pixels relative to what hid them, so that the two vectors do not differ
-    by the threshold. ``cause`` is 0 where nothing was hidden, else 1 + the index in `CAUSES`.
+    by the threshold.
     """
 
     mask: Mask
     inside: Mask
     hidden: Mask
+    certain: Mask
     veiled: Mask
     nearly: Mask
     surely: Mask
@@ -78,10 +83,11 @@ def disocclusion(probe: Probe, shot: Shot, bias: float = MIP_BIAS, finer: float 
     seen, seen_ids = probe.inverse_depth(previous["depth"]), _ids(previous)
     row, column, inside = nearest(points, (seen.shape[1], seen.shape[0]), 0)
     slope, apart = _slope(seen)[row, column], APART * points.inverse
-    # Samples around a position are up to one sample away on each axis, and `slope` is the change within half of one.
-    before = inside & (_around(seen, points.uv).min(axis=0) - points.inverse > apart + 2.0 * slope)
+    before = inside & (seen[row, column] - points.inverse > apart + slope)
     visible = _visible(probe, shot, inverse, level)
     hidden = before & visible
+    # Samples around a position are up to one sample away on each axis, and `slope` is the change within half of one.
+    amid = before & (_around(seen, points.uv).min(axis=0) - points.inverse > apart + 2.0 * slope)
     block = seen.shape[0] // size[1]
     most = maximum_filter(seen.astype(np.float32), block + 1)[row, column]
     least = minimum_filter(seen.astype(np.float32), block + 1)[row, column]
@@ -93,20 +99,22 @@ def disocclusion(probe: Probe, shot: Shot, bias: float = MIP_BIAS, finer: float 
     sampled = _sampled(probe, ahead, bias, points, size)
     claimed = probe.owner[sampled.ids] != probe.owner[ids]
     shown = (sampled.inverse - points.inverse > apart) & _moved(points.uv * size + sampled.motion - _centres(size))
+    beside = binary_dilation(mask, _BLOCK)
     fine = probe.tested[seen_ids].reshape(size[1], block, size[0], block).any(axis=(1, 3))
     sieve = binary_dilation(fine, _BLOCK)[row // block, column // block]
     return Disocclusion(
         mask=mask,
         inside=inside,
         hidden=hidden,
-        veiled=before & ~visible,
+        certain=amid & visible,
+        veiled=amid & ~visible,
         nearly=nearly,
         surely=hidden & (least - points.inverse > apart),
         by_object=hidden & foreign,
         nearly_by_object=nearly & (foreign | claimed),
         judged=inside & ~(hidden & ~foreign) & ~(mask & ~claimed & ~(hidden & foreign)),
         beyond=sieve | parallel,
-        cause=_causes(hidden, (mask, binary_dilation(mask, _BLOCK), ~_moved(relative, _STILL), parallel, shown)),
+        cause=_causes(amid & visible, (mask, beside, ~_moved(relative, _STILL), parallel, shown)),
     )
 
 
@@ -166,12 +174,12 @@ def _sampled(probe: Probe, ahead: Shot, bias: float, points: Points, size: tuple
     return _Sampled(_ids(low)[row, column], probe.inverse_depth(low["depth"])[row, column], motion)
 
 
-def _causes(hidden: Mask, tests: Sequence[Mask]) -> NDArray[np.uint8]:
-    """Return 1 + the index of the first of `CAUSES` that holds for each hidden pixel; the last one needs no test."""
-    cause = np.full(hidden.shape, len(CAUSES), np.uint8)
+def _causes(certain: Mask, tests: Sequence[Mask]) -> NDArray[np.uint8]:
+    """Return 1 + the index of the first of `CAUSES` that holds for each certain pixel; the last one needs no test."""
+    cause = np.full(certain.shape, len(CAUSES), np.uint8)
     for k in reversed(range(len(tests))):
         cause[tests[k]] = k + 1
-    cause[~hidden] = 0
+    cause[~certain] = 0
     return cause
 
 
