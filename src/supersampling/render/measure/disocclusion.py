@@ -94,7 +94,7 @@ def disocclusion(probe: Probe, shot: Shot, bias: float = MIP_BIAS, finer: float 
     # The corner of the block is half a block away on both axes.
     nearly = hidden | (inside & (most - points.inverse > apart + (block + 1) * slope))
     foreign = probe.owner[seen_ids[row, column]] != probe.owner[ids]
-    relative = points.uv * size + previous["motion"][row, column] * np.float64(size) - _centres(size)
+    relative = points.uv * size + previous["motion"][row, column].astype(np.float64) * size - _centres(size)
     parallel = hidden & ~_moved(relative)
     sampled = _sampled(probe, ahead, bias, points, size)
     claimed = probe.owner[sampled.ids] != probe.owner[ids]
