@@ -41,8 +41,8 @@ def evaluate(cfg: DictConfig) -> None:
     the reference and the raw input (kind ``sanity``).
 
     Raises:
-        UserError: no such run or checkpoint, or one of another scale or model; weights that do not fit; images that are missing or of another
-            kind.
+        UserError: no such run or checkpoint, or one of another scale or model; weights that do not fit; images that are
+            missing or of another kind.
     """
     settings.exclusive(cfg, "checkpoint", "run", "capture", "frames")
     torch.set_num_threads(cfg.threads)

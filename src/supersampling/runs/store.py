@@ -217,7 +217,7 @@ def _run(job: MlflowRun) -> Run:
     run_tags, params = job.data.tags, dict(job.data.params)
     kind: Kind = run_tags[tags.KIND]  # type: ignore[assignment]
     if kind == "evaluation" and SCENES not in params:
-        # By an earlier version. They are the training's; only the fingerprint of the data that it was scored on is known.
+        # Of an earlier version: they are the training's; of the scored data only the fingerprint is known.
         params = {name: value for name, value in params.items() if name not in ("data", "data.scenes")}
     return Run(
         id=job.info.run_id,
