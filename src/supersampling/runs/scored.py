@@ -35,7 +35,7 @@ def scored_parameters(cfg: DictConfig, method: LoadedMethod, files: Sequence[Pat
     scored = {name: value for name, value in method.parameters.items() if not _of_test(name)}
     scored |= {name: value for name, value in configured.items() if _of_test(name)}
     tested = {read_spec(path).scene for path in files}
-    if scored.get("data") == FILES:  # ``scene`` says nothing of them
+    if scored.get("data") == FILES != training.get("data"):  # ``scene`` says nothing of files
         scored["data.scenes"] = ",".join(sorted(tested))
     return {
         **scored,
