@@ -130,6 +130,12 @@ def test_evaluations_never_fill_what_asks_for_trainings() -> None:
     assert [run.name for run in choice.pools[choice.setting]] == ["training"]
 
 
+def test_scenes_of_a_training_match_in_any_order() -> None:
+    run = unseen("a", NSRD, trained="foundry,atrium")
+    assert matches(run, {"trained.data.scenes": "atrium,foundry"})
+    assert not matches(run, {"trained.data.scenes": "atrium"})
+
+
 def test_evaluations_of_earlier_versions_and_of_unknown_data_do_not_count() -> None:
     old = replace(EXCHANGED[0], params={k: v for k, v in EXCHANGED[0].params.items() if k != "test.scenes"})
     assert sides("dlctus-6", [TRAINING, old])["b"] == []

@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 from supersampling.reporting.papers.schema import Selection
 from supersampling.reporting.settings import Choice, Setting, newest
 from supersampling.runs.keys import compared_parameters
-from supersampling.runs.relation import SCENES, TRAINED
+from supersampling.runs.relation import SCENES, TRAINED, in_order
 from supersampling.runs.store import Run
 
 RESULT_SETTINGS = compared_parameters()
@@ -35,7 +35,14 @@ def matches(run: Run, selection: Selection) -> bool:
     """
     if run.kind != "job" and not asks_for_evaluations(selection):
         return False
-    return all(any(_same(run.parameter(name), v) for v in value.split("|")) for name, value in selection.items())
+    return all(any(_has(run, name, v) for v in value.split("|")) for name, value in selection.items())
+
+
+def _has(run: Run, name: str, requested: str) -> bool:
+    value = run.parameter(name)
+    if value is not None and name.endswith("data.scenes"):
+        return in_order(value) == in_order(requested)
+    return _same(value, requested)
 
 
 def asks_for_evaluations(selection: Selection) -> bool:

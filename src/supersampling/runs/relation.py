@@ -26,3 +26,8 @@ def relation(scored: Collection[str], trained: Collection[str]) -> str:
         return SAME
     common = set(scored) & set(trained)
     return SUBSET if common == set(scored) else PARTLY if common else UNSEEN
+
+
+def in_order(scenes: str) -> str:
+    """Return names of scenes, separated by commas, in alphabetical order: a training on ``b,a`` is one on ``a,b``."""
+    return ",".join(sorted(scenes.split(",")))

@@ -12,7 +12,7 @@ from supersampling.errors import UserError
 from supersampling.runs.identity import flat_parameters
 from supersampling.runs.method import LoadedMethod
 from supersampling.runs.naming import is_learned
-from supersampling.runs.relation import FILES, RUN, SCENES, TRAINED, UNKNOWN, UNSEEN, relation
+from supersampling.runs.relation import FILES, RUN, SCENES, TRAINED, UNKNOWN, UNSEEN, in_order, relation
 from supersampling.runs.sanity import protocol_parameters
 
 # What a training reads, and what only says how or repeats the task.
@@ -55,16 +55,16 @@ def _differing(training: Mapping[str, Any], scored: Mapping[str, Any]) -> dict[s
     """Return the training's own value of each parameter of model, data and task that was scored with another one."""
     names = sorted({name for name in (*training, *scored) if name.startswith("model.") or _of_test(name)})
     return {
-        f"{TRAINED}{name}": str(training.get(name, UNKNOWN))
+        f"{TRAINED}{name}": _text(name, training)
         for name in names
-        if not name.startswith(_REPEATED) and _sorted(name, training) != _sorted(name, scored)
+        if not name.startswith(_REPEATED) and _text(name, training) != _text(name, scored)
     }
 
 
-def _sorted(name: str, parameters: Mapping[str, Any]) -> str:
+def _text(name: str, parameters: Mapping[str, Any]) -> str:
     """Return a parameter as text; scenes in alphabetical order."""
     value = str(parameters.get(name, UNKNOWN))
-    return ",".join(sorted(value.split(","))) if name == "data.scenes" else value
+    return in_order(value) if name == "data.scenes" else value
 
 
 def _trained_scenes(training: Mapping[str, Any]) -> set[str]:
