@@ -1,0 +1,97 @@
+"""What `model=M` brings: the loss, jitter and window choice of its paper, typed a second time; what wins over it."""
+
+import pytest
+from hydra.core.hydra_config import HydraConfig
+from model_cases import CONF, MODELS, stems
+
+from supersampling.commands.train import baselines
+from supersampling.config import composed
+
+ST = ("spatiotemporal", "default", "edges")
+# Loss, task and window choice: DLCTUS 4.3.4 and 4.2.2; NSRR 3.3, 3.4 and figure 3; NSRD 3.4 and 4.1; ENSS 3 and 5.
+# Edges are this project's own, for the budgets of minutes.
+RECIPES = {
+    **dict.fromkeys(("nearest", "bicubic", "jau", "tus", "dlctus"), ST),
+    **dict.fromkeys(("nsrr", "nsrr_fast"), ("nsrr", "nsrr", "uniform")),
+    "nsrd": ("nsrd", "nsrd", "edges"),
+    **dict.fromkeys(("enss_s", "enss_m", "enss_l"), ("l1", "qrisp", "edges")),
+}
+JITTER = {"default": "thesis", "nsrr": "none", "nsrd": "none", "qrisp": "halton16"}
+
+
+def choices(*overrides, command="train"):
+    chosen = composed(command, ["scene=atrium", *overrides])
+    return tuple(chosen.choices[group] for group in ("loss", "task", "pick")), chosen.cfg
+
+
+def test_every_model_has_a_recipe():
+    assert set(RECIPES) == set(MODELS)
+    assert set(MODELS) <= set(stems("recipe"))
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_model_brings_its_recipe(model):
+    chosen, cfg = choices(f"model={model}")
+    assert chosen == RECIPES[model]
+    assert (cfg.task.scale, cfg.task.jitter) == (4, JITTER[chosen[1]])
+    assert cfg.pick._target_.endswith({"edges": "MostEdges", "uniform": "Uniform"}[chosen[2]])
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected"),
+    [
+        ("model=nsrr loss=l1 task=qrisp pick=edges", ("l1", "qrisp", "edges")),
+        ("model=nsrr recipe=dlctus", ST),
+        ("model=nsrr data=qrisp", ("nsrr", "qrisp", "uniform")),
+        ("model=nsrd budget=paper", ("nsrd", "nsrd", "uniform")),
+        ("model=nsrr budget=laptop", ("nsrr", "nsrr", "uniform")),
+        ("budget=laptop", ST),
+        ("budget=smoke", ("spatiotemporal", "default", "uniform")),
+        ("experiment=laptop/nsrr", ("l1", "default", "edges")),
+        ("experiment=laptop/nsrr data=nsrr", ("l1", "nsrr", "edges")),
+        ("experiment=nsrd/nsrr", ("nsrr", "nsrd", "edges")),
+    ],
+)
+def test_what_wins_over_a_recipe(overrides, expected):
+    assert choices(*overrides.split())[0] == expected
+
+
+def test_the_user_s_sweep_over_theta():
+    for theta in (0.1, 0.5):
+        assert choices("model=dlctus", f"loss.theta={theta}")[1].loss.theta == theta
+
+
+@pytest.mark.parametrize("model", ["nsrd", "enss_l"])
+def test_baselines_run_on_the_job_s_own_task(model):
+    """They are methods without a recipe, whose task would be the thesis's."""
+    from hydra import compose, initialize_config_dir
+
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        cfg = compose("train", [f"model={model}", "scene=atrium", "task.scale=3"], return_hydra_config=True)
+        HydraConfig.instance().set_config(cfg)
+        jobs = baselines(cfg)
+    HydraConfig.instance().cfg = None
+    assert len(jobs) == 4
+    for job, selected in jobs:
+        assert job.task == cfg.task
+        assert job.data == cfg.data
+        assert (job.model.scale, selected["task"]) == (3, RECIPES[model][1])
+
+
+@pytest.mark.parametrize("overrides", ["", "model=nsrr", "model=nsrd", "model=enss_m among=enss", "among=models"])
+def test_advice_is_about_one_task(overrides):
+    """A search compares compositions of several models; each is trained on the task of the command."""
+    from supersampling.advice.space import read_space
+
+    cfg = choices(*overrides.split(), command="advise")[1]
+    space = read_space(cfg.among)
+    first = space.compositions()[0]
+    last = space.compositions()[-1]
+    for words in (first.overrides, last.overrides):
+        chosen, job = choices(*words)
+        assert chosen[1:] == ("default", "edges")
+        assert job.task == cfg.task
+
+
+def test_advice_takes_the_task_of_its_data():
+    assert choices("model=enss_m", "data=nsrr", command="advise")[0][1] == "nsrr"
