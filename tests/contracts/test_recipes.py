@@ -3,6 +3,7 @@
 import pytest
 from hydra.core.hydra_config import HydraConfig
 from model_cases import CONF, MODELS, stems
+from omegaconf import OmegaConf
 
 from supersampling.commands.train import baselines
 from supersampling.config import composed
@@ -95,3 +96,63 @@ def test_advice_is_about_one_task(overrides):
 
 def test_advice_takes_the_task_of_its_data():
     assert choices("model=enss_m", "data=nsrr", command="advise")[0][1] == "nsrr"
+
+
+# What a paper's own recipe keeps on any data and budget: task, scale, jitter, window choice, augmentation, camera.
+PAPERS = {
+    "dlctus": ("default", 4, "thesis"),
+    "dlctus/xiao_published": ("default", 4, "thesis"),
+    "nsrr": ("nsrr", 4, "none"),
+    "nsrd": ("nsrd", 4, "none"),
+    "enss": ("qrisp", 2, "halton16"),
+}
+
+
+@pytest.mark.parametrize("paper", PAPERS)
+@pytest.mark.parametrize(
+    "others", ["", "data=laptop budget=laptop", "data=qrisp budget=nsrr", "data=nsrr", "data=files"]
+)
+def test_a_paper_s_recipe_stays_on_any_data_and_budget(paper, others):
+    chosen, cfg = choices(f"experiment={paper}", *others.split())
+    assert (chosen[1], cfg.task.scale, cfg.task.jitter) == PAPERS[paper]
+    assert chosen[2] == "uniform"
+    assert cfg.augment._target_.endswith("NoAugmentation")
+    if paper == "enss":
+        assert cfg.data.camera == "stops"
+
+
+VARIANTS = [f"{name}/{row}" for name in ("dlctus", "nsrd", "enss_table3") for row in stems(f"experiment/{name}")]
+
+
+@pytest.mark.parametrize("variant", [name for name in VARIANTS if not name.startswith("dlctus/xiao")])
+def test_a_variant_joins_its_paper_s_recipe(variant):
+    """It changes what it is about, and neither the data nor the schedule."""
+    paper = variant.partition("/")[0].partition("_")[0]
+    alone, joined = (composed("train", [f"experiment={words}"]) for words in (paper, f"[{paper},{variant}]"))
+    for group in ("data", "budget", "pick", "augment", "task", "optimizer"):
+        assert joined.choices[group] == alone.choices[group]
+    assert joined.cfg.task.scale == alone.cfg.task.scale
+    same = OmegaConf.to_yaml(joined.cfg, resolve=True) == OmegaConf.to_yaml(alone.cfg, resolve=True)
+    assert same == (variant in ("nsrd/ours", "dlctus/l1", "enss_table3/baseline"))
+
+
+@pytest.mark.parametrize(("task", "crop"), [("default", 256), ("thesis_2x2", 192), ("thesis_2x2_sharp", 192)])
+def test_the_thesis_s_training_of_xiao(task, crop):
+    """Section 4.5: 300 epochs, patches of 192 at 2x2; the rest as in their paper, without YCbCr."""
+    made = composed("train", ["experiment=dlctus/xiao_published", f"task={task}"])
+    budget = made.cfg.budget
+    assert (budget.epochs, budget.crop, budget.batch, budget.lr) == (300, crop, 8, 1e-4)
+    assert (made.choices["model"], made.choices["model/colour_space"]) == ("nsrr", "rgb")
+    assert (made.choices["loss"], made.choices["data"], made.cfg.task.jitter) == ("nsrr", "dlctus", "thesis")
+
+
+def test_published_forms_for_the_laptop():
+    nsrd, dlctus = (composed("train", [f"experiment=laptop/{name}_published"]) for name in ("nsrd", "dlctus"))
+    assert (nsrd.choices["loss"], nsrd.cfg.task.jitter, nsrd.choices["budget"]) == ("nsrd", "none", "laptop_nsrd")
+    assert [nsrd.choices[f"model/{slot}"] for slot in ("locate", "base", "demodulate")] == ["none", "none", "lighting"]
+    assert (dlctus.choices["loss"], dlctus.choices["model/confine"], dlctus.choices["budget"]) == (
+        "l1",
+        "clamp",
+        "laptop",
+    )
+    assert len(nsrd.cfg.scene) == len(dlctus.cfg.scene) == 9
