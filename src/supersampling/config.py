@@ -84,6 +84,18 @@ def published_stages(model: str) -> Mapping[str, str]:
     return stages
 
 
+@lru_cache
+def recipe_of(model: str) -> Mapping[str, str]:
+    """Return the option of each group that a model brings to its training: the defaults of
+    ``conf/recipe/<model>.yaml``."""
+    content, bases = read_option(option_file("recipe", model))
+    recipe = {group: option for base in bases for group, option in recipe_of(base.stem).items()}
+    for entry in content.get("defaults", []):
+        if isinstance(entry, dict):
+            recipe |= {str(group).strip("/"): str(option) for group, option in entry.items()}
+    return recipe
+
+
 def typed_overrides() -> list[str]:
     """Return the overrides of the command line, none outside of a Hydra application."""
     return overrides_of(HydraConfig.get()) if HydraConfig.initialized() else []
