@@ -1,12 +1,15 @@
 """What `model=M` brings: the loss, jitter and window choice of its paper, typed a second time; what wins over it."""
 
+import itertools
+import re
+
 import pytest
 from hydra.core.hydra_config import HydraConfig
 from model_cases import CONF, MODELS, stems
 from omegaconf import OmegaConf
 
 from supersampling.commands.train import baselines
-from supersampling.config import composed
+from supersampling.config import composed, published_stages
 
 ST = ("spatiotemporal", "default", "edges")
 # Loss, task and window choice: DLCTUS 4.3.4 and 4.2.2; NSRR 3.3, 3.4 and figure 3; NSRD 3.4 and 4.1; ENSS 3 and 5.
@@ -156,3 +159,55 @@ def test_published_forms_for_the_laptop():
         "laptop",
     )
     assert len(nsrd.cfg.scene) == len(dlctus.cfg.scene) == 9
+
+
+def rows_of(page, header):
+    """The cells of a page's table, without backquotes."""
+    lines = (CONF.parent / "docs" / page).read_text().splitlines()
+    first = lines.index(header) + 2
+    table = itertools.takewhile(lambda line: line.startswith("|"), lines[first:])
+    return [[cell.strip().replace("`", "") for cell in line.strip("|").split("|")] for line in table]
+
+
+def test_the_page_has_the_recipes():
+    """Every model once, and in each row what its command composes to."""
+    rows = rows_of("train.md", "| model | `loss` | `task` | `task.jitter` | `pick` | source |")
+    assert sorted(model for row in rows for model in row[0].split(", ")) == sorted(MODELS)
+    for models, loss, task, jitter, pick, _ in rows:
+        for model in models.split(", "):
+            chosen, cfg = choices(f"model={model}")
+            assert (task, jitter) == (chosen[1], cfg.task.jitter)
+            assert (loss, pick) in ((chosen[0], chosen[2]), ("", ""))
+            assert bool(loss) == (model not in ("nearest", "bicubic", "jau", "tus"))
+
+
+def test_help_prints_the_recipes(command):
+    """``train.py --help`` and ``count.py --help``: a line per model."""
+    out = command("count", "--help").out
+    lines = out[out.index("== Recipe of each model") : out.index("== Slots")].splitlines()[1:]
+    assert {line.partition(":")[0] for line in lines if line} == set(MODELS)
+    assert "nsrr_fast: loss=nsrr task=nsrr pick=uniform (task.jitter=none)" in lines
+    assert "enss_l: loss=l1 task=qrisp pick=edges (task.jitter=halton16)" in lines
+    assert "tus: none, it is not trained" in lines
+
+
+def test_the_page_has_the_slots_with_their_models():
+    """The table of switches names each slot's options, and the published one of each model that has the slot."""
+    families = {"nsrr_fast": "nsrr", "enss_s": "enss", "enss_m": "enss", "enss_l": "enss"}
+    rows = {row[0]: row[1:] for row in rows_of("train.md", "| slot | options | default by model |")}
+    slots = {
+        (families.get(model, model), slot): option
+        for model in MODELS
+        for slot, option in published_stages(model).items()
+    }
+    assert {f"model/{slot}" for _, slot in slots} == set(rows)
+    for slot, (options, defaults) in rows.items():
+        assert all(re.search(rf"\b{option}\b", options) for option in stems(slot))
+        expected = {model: option for (model, name), option in slots.items() if f"model/{name}" == slot}
+        written = {
+            m: o
+            for part in defaults.split(";")
+            for ms, _, o in [part.partition(":")]
+            for m in ms.replace(" ", "").split(",")
+        }
+        assert {model: option.strip() for model, option in written.items()} == expected
