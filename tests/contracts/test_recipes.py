@@ -20,6 +20,7 @@ RECIPES = {
     "nsrd": ("nsrd", "nsrd", "edges"),
     **dict.fromkeys(("enss_s", "enss_m", "enss_l"), ("l1", "qrisp", "edges")),
 }
+LAPTOP = ("nsrr", "nsrd", "enss_s", "enss_m", "enss_l")
 JITTER = {"default": "thesis", "nsrr": "none", "nsrd": "none", "qrisp": "halton16"}
 
 
@@ -51,7 +52,11 @@ def test_a_model_brings_its_recipe(model):
         ("model=nsrr budget=laptop", ("nsrr", "nsrr", "uniform")),
         ("budget=laptop", ST),
         ("budget=smoke", ("spatiotemporal", "default", "uniform")),
-        ("experiment=laptop/nsrr", ("l1", "default", "edges")),
+        ("experiment=laptop/dlctus", ST),
+        *((f"experiment=laptop/{name}", ("l1", "default", "edges")) for name in LAPTOP),
+        ("experiment=laptop/enss_published", ("l1", "qrisp", "edges")),
+        ("experiment=laptop/nsrr_published", ("nsrr", "nsrr", "edges")),
+        ("experiment=laptop/nsrd_published", ("nsrd", "nsrd", "edges")),
         ("experiment=laptop/nsrr data=nsrr", ("l1", "nsrr", "edges")),
         ("experiment=nsrd/nsrr", ("nsrr", "nsrd", "edges")),
     ],
@@ -211,3 +216,23 @@ def test_the_page_has_the_slots_with_their_models():
             for m in ms.replace(" ", "").split(",")
         }
         assert {model: option.strip() for model, option in written.items()} == expected
+
+
+def test_a_model_without_a_recipe_is_told_where_it_belongs(command, tmp_path):
+    (tmp_path / "model").mkdir()
+    (tmp_path / "model" / "mine.yaml").write_text("_target_: supersampling.models.jau.JAU\nscale: 4\n")
+    answer = command("train", "--config-dir", str(tmp_path), "model=mine", "--cfg", "job")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert "Model mine has no recipe: write conf/recipe/mine.yaml" in answer.err
+    assert command("train", "--config-dir", str(tmp_path), "model=mine", "recipe=none", "--cfg", "job").status == 0
+
+
+def test_a_search_s_answer_keeps_its_recipe():
+    """The file of an answer is composed by train.py, whose model would bring its paper's task."""
+    from hydra import initialize_config_dir
+
+    from supersampling.advice.answer import experiment_file
+
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        text = experiment_file(["model=nsrd", "recipe=laptop", "budget=laptop_nsrd"], ["atrium"])
+    assert "override /recipe: laptop" in text
