@@ -83,8 +83,8 @@ def _missing_file(name: str, known: Sequence[str]) -> str:
         return f"There is no configuration {option}.yaml: --config-name takes a file of conf/ or of --config-dir."
     if group == "recipe":
         return (
-            f"Model {option} has no recipe: write conf/recipe/{option}.yaml with the loss, task and window choice of its "
-            "training, or set recipe=none."
+            f"Model {option} has no recipe: write conf/recipe/{option}.yaml with the loss, task and window choice of "
+            "its training, or set recipe=none."
         )
     options = ", ".join(group_options(group) or known)
     return f"Unknown option {group}={option}: {f'use {options}' if options else f'there is no group {group}'}."
