@@ -147,11 +147,15 @@ def test_a_variant_joins_its_paper_s_recipe(variant):
 @pytest.mark.parametrize(("task", "crop"), [("default", 256), ("thesis_2x2", 192), ("thesis_2x2_sharp", 192)])
 def test_the_thesis_s_training_of_xiao(task, crop):
     """Section 4.5: 300 epochs, patches of 192 at 2x2; the rest as in their paper, without YCbCr."""
-    made = composed("train", ["experiment=dlctus/xiao_published", f"task={task}"])
-    budget = made.cfg.budget
+    composition = composed("train", ["experiment=dlctus/xiao_published", f"task={task}"])
+    budget = composition.cfg.budget
     assert (budget.epochs, budget.crop, budget.batch, budget.lr) == (300, crop, 8, 1e-4)
-    assert (made.choices["model"], made.choices["model/colour_space"]) == ("nsrr", "rgb")
-    assert (made.choices["loss"], made.choices["data"], made.cfg.task.jitter) == ("nsrr", "dlctus", "thesis")
+    assert (composition.choices["model"], composition.choices["model/colour_space"]) == ("nsrr", "rgb")
+    assert (composition.choices["loss"], composition.choices["data"], composition.cfg.task.jitter) == (
+        "nsrr",
+        "dlctus",
+        "thesis",
+    )
 
 
 def test_published_forms_for_the_laptop():

@@ -25,13 +25,13 @@ def text_of(name):
 
 
 @cache
-def made_of(*job):
+def composition_of(*job):
     return composed("train", job)
 
 
 def files_of(job):
     """The files of weights that a job's training reads."""
-    cfg = made_of(*job).cfg
+    cfg = composition_of(*job).cfg
     needs = {"vgg"} if OmegaConf.select(cfg, "loss.weights.perceptual") else set()
     needs |= {"raft"} if str(OmegaConf.select(cfg, "model.flow._target_")).endswith("RAFT") else set()
     return {FILES[name] for name in needs}
@@ -40,13 +40,13 @@ def files_of(job):
 @pytest.mark.parametrize("name", SWEEPS)
 def test_its_jobs_fill_one_report(name):
     for job in jobs_of(name):
-        made = made_of(*job)
-        assert made.choices["data"] == "laptop"
-        assert budget_family(made.choices["budget"]) == "laptop"
-        assert made.choices["augment"] == "full"
-        assert made.choices["pick"] == "edges"
+        composition = composition_of(*job)
+        assert composition.choices["data"] == "laptop"
+        assert budget_family(composition.choices["budget"]) == "laptop"
+        assert composition.choices["augment"] == "full"
+        assert composition.choices["pick"] == "edges"
         if not any(word.startswith("scene=") for word in job):
-            assert set(made.cfg.scene) == set(BUILT_IN)
+            assert set(composition.cfg.scene) == set(BUILT_IN)
 
 
 @pytest.mark.parametrize("name", SWEEPS)

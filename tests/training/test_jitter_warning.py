@@ -7,8 +7,8 @@ from supersampling.training.check import unread_jitter
 
 
 def warning(*overrides):
-    made = composed("train", ["scene=atrium", *overrides])
-    return unread_jitter(made.cfg, made.choices["model"])
+    composition = composed("train", ["scene=atrium", *overrides])
+    return unread_jitter(composition.cfg, composition.choices["model"])
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from supersampling.errors import UserError
 from supersampling.resources import resources
 
 KEY = "sweeps="
-EACH = "scene=each"
+PER_SCENE = "scene=each"
 INTERRUPTED = 130
 
 
@@ -80,12 +80,12 @@ def with_scenes(arguments: Sequence[str]) -> list[str]:
     Raises:
         UserError: without ``-m``; several experiments that select different scenes.
     """
-    if EACH not in arguments:
+    if PER_SCENE not in arguments:
         return list(arguments)
     if not {"-m", "--multirun"} & set(arguments):
-        raise UserError(f"{EACH} trains a network per scene, so it runs several jobs: add -m.")
-    scenes = _scenes_of([word for word in arguments if "=" in word and not word.startswith("-") and word != EACH])
-    return [f"scene={','.join(scenes)}" if word == EACH else word for word in arguments]
+        raise UserError(f"{PER_SCENE} trains a network per scene, so it runs several jobs: add -m.")
+    scenes = _scenes_of([word for word in arguments if "=" in word and not word.startswith("-") and word != PER_SCENE])
+    return [f"scene={','.join(scenes)}" if word == PER_SCENE else word for word in arguments]
 
 
 def _scenes_of(words: Sequence[str]) -> list[str]:
@@ -100,7 +100,7 @@ def _scenes_of(words: Sequence[str]) -> list[str]:
     lists = {(scene,) if isinstance(scene, str) else tuple(scene) for scene in selected}
     if len(lists) > 1:
         choices = " and ".join("[" + ",".join(scenes) + "]" for scenes in sorted(lists))
-        raise UserError(f"{EACH} with jobs that select different scenes, {choices}: name the scenes, scene=a,b.")
+        raise UserError(f"{PER_SCENE} with jobs that select different scenes, {choices}: name the scenes, scene=a,b.")
     return [str(scene) for scene in lists.pop()]
 
 
