@@ -152,6 +152,7 @@ def _check_training(cfg: DictConfig, parts: set[str]) -> None:
     """Check how a job is trained, each way once."""
     from supersampling.training.check import check_training  # with torch and Lightning, which --help does not need
 
+    prepare_process()  # Lightning sets the level of its messages when it is imported
     text = "".join(OmegaConf.to_yaml(cfg[key], resolve=True) for key in ("trainer", "budget", "optimizer"))
     if text not in parts:
         parts.add(text)
