@@ -121,6 +121,7 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
                 "page": claim.page,
                 "kind": claim.kind,
                 "metric": claim.metric,
+                "claimed": _metric(claim),
                 "unit": claim.unit,
                 "margin": claim.margin,
                 "published": claim.published,
@@ -145,11 +146,22 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
 
 
 def _metric(claim: Claim) -> str:
+    """Return ``psnr, frames 4 to 6: a > b + 0.5``: the quantity, and what is claimed of it."""
     name = claim.metric.removeprefix(RUN_METRIC)
+    if claim.against is not None:
+        name += f" (a), {claim.against.removeprefix(RUN_METRIC)} (b)"
+    if claim.frames is not None:
+        name += f", frames {claim.frames[0]} to {claim.frames[1]}"
+    if claim.settles is not None:
+        name = f"frames until {name} is within {claim.settles:g} of its later median"
+    unit = " %" if claim.relative else ""
     if claim.margin is not None:
-        return f"{name}: |a − b| < {claim.margin:g}"
+        return f"{name}: |a − b| < {claim.margin:g}{unit}"
     if claim.times != 1.0:
         return f"{name}: {claim.times:g} a < b"
+    if claim.at_least:
+        signed = claim.at_least if claim.kind == "more" else -claim.at_least
+        return typeset(f"{name}: a − b {'>' if claim.kind == 'more' else '<'} {signed:g}{unit}")
     return f"{name}: {SIGNS[claim.kind]}"
 
 

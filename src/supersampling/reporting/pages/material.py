@@ -13,6 +13,7 @@ import pandas as pd
 from supersampling.reporting.methods import Method, list_methods
 from supersampling.reporting.pages.gaps import gaps
 from supersampling.reporting.papers import claims, figures, tables
+from supersampling.reporting.papers.effects import RunScores
 from supersampling.reporting.papers.schema import Paper
 from supersampling.reporting.settings import Choice
 from supersampling.runs.estimates import indexed
@@ -45,6 +46,13 @@ class PaperRuns:
         sides = [run for claim in self.claims for runs in claim.runs.values() for run in runs]
         return [*cells, *sides, *(run for figure in self.figures for run in figure.runs)]
 
+    @property
+    def over_frames(self) -> list[Run]:
+        """The runs whose scores by frame a figure or a claim needs."""
+        figured = [run for figure in self.figures if figure.over_frames for run in figure.runs]
+        claimed = [claim for claim in self.claims if claim.claim.over_frames]
+        return [*figured, *(run for claim in claimed for runs in claim.runs.values() for run in runs)]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
@@ -73,7 +81,8 @@ class Material:
     @cached_property
     def judged(self) -> dict[str, list[claims.Judged]]:
         """Each paper's claims, by the paper's name."""
-        return {item.paper.paper: [claims.judge(claim, self.clips) for claim in item.claims] for item in self.papers}
+        scores = RunScores(self.clips, self.frames)
+        return {item.paper.paper: [claims.judge(claim, scores) for claim in item.claims] for item in self.papers}
 
     def pictures(self, name: str) -> Mapping[str, Path]:
         """Return the artifact folder ``name`` of the leading methods' runs by run id, downloaded once for all
@@ -96,7 +105,7 @@ def gather(
     configurations = list_methods(choice.pools[choice.setting], known)
     leading = [method for method in configurations if method.leading]
     methods = configurations if len(configurations) <= MAX_METHODS else leading
-    over_frames = [run for item in selected for figure in item.figures if figure.over_frames for run in figure.runs]
+    over_frames = [run for item in selected for run in item.over_frames]
     used = unique([run for method in methods for run in method.runs] + [run for item in selected for run in item.runs])
     clips = {run: indexed(table) for run, table in store.tables(used, "clips").items()}
     for run_id, reason in gaps(used, clips).items():

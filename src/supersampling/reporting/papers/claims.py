@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Literal
 
+from supersampling.reporting.papers.effects import RunScores, effect, scene_effects
 from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Selection
 from supersampling.reporting.selection import choose_runs, pools_for
 from supersampling.reporting.settings import Choice, Setting
-from supersampling.runs.estimates import ClipTables, difference, logged, scene_differences
 from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Run
 
@@ -88,31 +88,32 @@ def choose_claim(claim: Claim, choice: Choice) -> ClaimRuns:
     return best
 
 
-def judge(selected: ClaimRuns, tables: ClipTables) -> Judged:
+def judge(selected: ClaimRuns, scores: RunScores) -> Judged:
     """Return a claim's verdict.
 
-    *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin),
-    *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is
+    *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin; with
+    ``at_least`` or ``times``: beyond it), *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is
     reproduced if every step is, and contradicted if any is.
     """
     claim, labels = selected.claim, list(selected.runs)
     pairs = list(pairwise(labels))
     steps = []
     for earlier, later in pairs:
-        value = _difference(selected.runs[later], selected.runs[earlier], claim, tables, claim.times)
+        value = effect(selected.runs[later], selected.runs[earlier], claim, scores, claim.times)
         steps.append(Step(f"{earlier} → {later}", value, side(claim, value)))
-    effect = _difference(selected.runs[labels[-1]], selected.runs[labels[0]], claim, tables)
+    whole = effect(selected.runs[labels[-1]], selected.runs[labels[0]], claim, scores)
     verdict = _together([step.verdict for step in steps])
     reason = _reason(selected, steps, verdict)
-    if any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs):
+    same = any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs)
+    if same and claim.against is None:
         verdict = "unresolved"
         reason = "both sides are the same runs: what the claim names is not in their parameters"
     return Judged(
         selected=selected,
         verdict=verdict,
-        effect=effect,
+        effect=whole,
         steps=steps if claim.stepwise else [],
-        scenes=_scenes(selected, tables) if not selected.missing else {},
+        scenes=_scenes(selected, scores) if not selected.missing else {},
         reason=reason,
     )
 
@@ -132,9 +133,9 @@ def side(claim: Claim, value: Estimate | None) -> Verdict:
         return "contradicted" if low >= claim.margin or high <= -claim.margin else "unresolved"
     if claim.kind in ("less", "falls"):
         low, high = -high, -low
-    if low > 0:
+    if low > claim.at_least:
         return "reproduced"
-    return "contradicted" if high < 0 or (exact and high == 0) else "unresolved"
+    return "contradicted" if high < claim.at_least or (exact and high == claim.at_least) else "unresolved"
 
 
 def _together(verdicts: Sequence[Verdict]) -> Verdict:
@@ -143,38 +144,20 @@ def _together(verdicts: Sequence[Verdict]) -> Verdict:
     return next((verdict for verdict in order if verdict in verdicts), "reproduced")
 
 
-def _difference(
-    a: Sequence[Run], b: Sequence[Run], claim: Claim, tables: ClipTables, times: float = 1.0
-) -> Estimate | None:
-    """Return ``a - b``, for a logged number ``times * a - b``; None without runs or values."""
-    if not a or not b:
-        return None
-    if not claim.metric.startswith(RUN_METRIC):
-        return difference(a, b, claim.metric, tables)
-    first, second = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (a, b))
-    if first is None or second is None:
-        return None
-    return Estimate(times * first.mean - second.mean, math.nan, math.nan, 0)
-
-
-def _scenes(selected: ClaimRuns, tables: ClipTables) -> dict[str, bool]:
-    """Return for each scene whether its mean differences have the claimed sign (kind ``same``: lie within the
-    margin)."""
-    claim, labels = selected.claim, list(selected.runs)
-    if claim.metric.startswith(RUN_METRIC):
-        return {}
+def _scenes(selected: ClaimRuns, scores: RunScores) -> dict[str, bool]:
+    """Return for each scene whether its mean differences are on the claimed side."""
     means = [
-        scene_differences(selected.runs[later], selected.runs[earlier], claim.metric, tables)
-        for earlier, later in pairwise(labels)
+        scene_effects(selected.runs[later], selected.runs[earlier], selected.claim, scores)
+        for earlier, later in pairwise(selected.runs)
     ]
     common = sorted(set.intersection(*map(set, means)))
-    return {scene: all(_claimed(claim, mean[scene]) for mean in means) for scene in common}
+    return {scene: all(_claimed(selected.claim, mean[scene]) for mean in means) for scene in common}
 
 
 def _claimed(claim: Claim, value: float) -> bool:
     if claim.margin is not None:
         return abs(value) < claim.margin
-    return value < 0 if claim.kind in ("less", "falls") else value > 0
+    return (-value if claim.kind in ("less", "falls") else value) > claim.at_least
 
 
 def _same_runs(first: Sequence[Run], second: Sequence[Run]) -> bool:
@@ -187,7 +170,11 @@ def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str
     if verdict == "not run":
         if selected.missing:
             return _missing(selected)
-        return f"the runs are there, but not all logged {claim.metric.removeprefix(RUN_METRIC)}"
+        names = dict.fromkeys([claim.metric, claim.against or claim.metric])
+        metrics = " and ".join(name.removeprefix(RUN_METRIC) for name in names)
+        return f"the runs are there, but not all logged {metrics}" + (
+            f" of frames {claim.frames[0]} to {claim.frames[1]}" if claim.frames is not None else ""
+        )
     labels = [step.label for step in steps if step.verdict == verdict] if claim.stepwise else []
     place = f"at {', '.join(labels)}" if labels and verdict != "reproduced" else ""
     if verdict != "unresolved":
@@ -198,7 +185,7 @@ def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str
     elif claim.margin is not None:
         reason = f"the interval crosses ±{claim.margin:g}"
     else:
-        reason = "the interval holds 0"
+        reason = f"the interval holds {-claim.at_least if claim.kind == 'less' else claim.at_least:g}"
     return f"{reason} {place}".strip()
 
 

@@ -10,13 +10,14 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 import yaml
 
 from supersampling.errors import UserError
+from supersampling.reporting.papers.quantity_checks import check_quantity
 from supersampling.reporting.papers.schema import BY_NUMBER, Claim, Paper, PublishedFigure, PublishedTable, Selection
 
 # 2, or S2 of a supplement.
 NUMBER = re.compile(r"[A-Z]?\d+[a-z]?")
 # The loader of libyaml is ten times faster.
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-KINDS = {str: "a text", int: "a whole number", float: "a number"}
+KINDS = {str: "a text", int: "a whole number", float: "a number", bool: "true or false"}
 T = TypeVar("T")
 
 
@@ -132,18 +133,14 @@ def _check_claim(claim: Claim, paper: Paper, place: str) -> None:
         _check_unique((step.label for step in claim.steps), f"{place}: labels of steps")
     elif claim.a is None or claim.b is None or claim.steps:
         raise UserError(f"{place}: Invalid sides of kind={claim.kind}: use a and b, and no steps.")
-    elif claim.a == claim.b:
+    elif claim.a == claim.b and claim.against is None:
         raise UserError(f"{place}: The sides a and b are the same selection: use different ones.")
     if (claim.kind == "same") != (claim.margin is not None) or (claim.margin is not None and claim.margin <= 0):
         raise UserError(
             f"{place}: Invalid margin={claim.margin} of kind={claim.kind}: use a positive one for same, none for "
             "others."
         )
-    if claim.times != 1.0 and not (claim.times > 1.0 and claim.kind == "less" and claim.metric.startswith("run:")):
-        raise UserError(
-            f"{place}: Invalid times={claim.times:g} of kind={claim.kind}: use a factor above 1, of kind less and a "
-            "run: metric."
-        )
+    check_quantity(claim, place)
 
 
 def _build(cls: type[T], raw: Any, place: str) -> T:
@@ -191,7 +188,7 @@ def _convert(kind: Any, value: Any, place: str) -> Any:
         return _build(kind, value, place)
     if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
-    if not isinstance(value, kind) or isinstance(value, bool):
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         quoted = f', written as "{value}"' if kind is str and not isinstance(value, list | dict) else ""
         raise UserError(f"{place}: Invalid value {value!r}: use {KINDS[kind]}{quoted}.")
     return value

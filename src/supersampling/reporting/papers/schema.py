@@ -131,7 +131,13 @@ class Claim:
 
     Attributes:
         metric: a column of the clip tables, or, with ``run:`` before it, a metric that runs logged.
+        against: the logged metric of ``b``, if it is another one than that of ``a``.
+        frames: the first and the last frame of each clip, from 0, that the claim is about; the mean over them counts.
+        settles: the quantity is how many frames pass until the metric is this close to its median over the second
+            half of the clip.
+        at_least: the smallest difference in the claimed direction; if negative, the largest one against it.
         times: ``a`` is claimed to be less by this factor.
+        relative: differences of logged metrics are in percent of ``b``.
         published: the paper's own difference (for steps: last minus first).
     """
 
@@ -146,7 +152,12 @@ class Claim:
     a: Selection | None = None
     b: Selection | None = None
     margin: float | None = None
+    against: str | None = None
+    frames: list[int] | None = None
+    settles: float | None = None
+    at_least: float = 0.0
     times: float = 1.0
+    relative: bool = False
     steps: list[Series] = field(default_factory=list)
     published: float | None = None
     where: str = ""
@@ -155,6 +166,11 @@ class Claim:
     @property
     def stepwise(self) -> bool:
         return self.kind in ("falls", "rises")
+
+    @property
+    def over_frames(self) -> bool:
+        """Whether the claim needs the scores of single frames."""
+        return self.frames is not None or self.settles is not None
 
     @property
     def selections(self) -> dict[str, Selection]:
