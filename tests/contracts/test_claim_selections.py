@@ -20,10 +20,13 @@ CLAIMS = {
 }
 # Methods and options that claims name and this project lacks; their claims say so in `needs`.
 LACKING = {
-    "model": {"basicvsr_unidirectional", "dlss", "duf", "edsr", "fsr2", "full_resolution", "rvrt", "vespcn", "vespcn_plus"},
+    "model": {
+        *("basicvsr_unidirectional", "rvrt", "vespcn", "vespcn_plus", "duf", "edsr"),
+        *("dlss", "fsr2", "full_resolution"),
+    },
     "model.kernel_prediction": {"table"},
     "model.mode": {"bilinear", "bicubic"},
-}  # fmt: skip
+}
 LISTS = {"data.scenes": "scene"}
 
 

@@ -8,6 +8,7 @@ import pytest
 from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from model_cases import CONF
+from test_claim_selections import lacking
 from test_sweeps import IN_MINUTES, SWEEPS, jobs_of
 
 from supersampling.reporting.papers.published import load_paper
@@ -72,9 +73,14 @@ def test_a_cell_has_a_job(file, selection):
     assert filled(selection, [form for form in FORMS if form[0].startswith(file)])
 
 
+# A longer training than a table's, and runs that evaluate.py makes of a training.
+NO_ROW = ("budget.epochs", "test.", "trained.")
+
+
 @pytest.mark.parametrize("name", PAPERS)
 def test_both_sides_of_a_claim_have_jobs(name):
     forms = [form for form in FORMS if form[0].startswith(name)]
     for claim in PAPERS[name].claims:
         for label, selection in claim.selections.items():
-            assert filled(selection, forms), (claim.id, label)
+            if not lacking(selection) and not any(key.startswith(NO_ROW) for key in selection):
+                assert filled(selection, forms), (claim.id, label)

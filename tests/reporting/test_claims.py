@@ -42,10 +42,7 @@ def claim(kind: str = "more", **more: Any) -> Claim:
 
 
 def judged(
-    statement: Claim,
-    runs: list[Run],
-    tables: dict[str, pd.DataFrame],
-    frames: dict[str, pd.DataFrame] | None = None,
+    statement: Claim, runs: list[Run], tables: dict[str, pd.DataFrame], frames: dict[str, pd.DataFrame] | None = None
 ) -> Judged:
     return judge(choose_claim(statement, choose(runs, None, None)), RunScores(tables, frames or {}))
 

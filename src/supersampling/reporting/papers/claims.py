@@ -92,8 +92,8 @@ def judge(selected: ClaimRuns, scores: RunScores) -> Judged:
     """Return a claim's verdict.
 
     *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin; with
-    ``at_least`` or ``times``: beyond it), *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is
-    reproduced if every step is, and contradicted if any is.
+    ``at_least`` or ``times``: beyond it), *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if
+    runs are missing. A claim about steps is reproduced if every step is, and contradicted if any is.
     """
     claim, labels = selected.claim, list(selected.runs)
     pairs = list(pairwise(labels))
