@@ -2,7 +2,6 @@
 
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from hydra import compose, initialize_config_dir
@@ -14,6 +13,8 @@ from test_sweeps import IN_MINUTES, SWEEPS, jobs_of
 from supersampling.reporting.papers.published import load_paper
 from supersampling.reporting.selection import matches
 from supersampling.runs.identity import flat_parameters
+from supersampling.runs.relation import SCENES, TRAINED
+from supersampling.runs.store import Run
 
 PAPERS = {name: load_paper(Path(CONF.parent / "reports" / "published" / f"{name}.yaml")) for name in ("nsrd", "dlctus")}
 # Classical methods run by themselves beside each job.
@@ -31,7 +32,9 @@ def parameters(command, learned):
     choices = cfg.hydra.runtime.choices
     cfg._set_flag(["struct", "readonly"], False)
     cfg.pop("hydra")
-    return SimpleNamespace(params={k: str(v) for k, v in flat_parameters(cfg, choices, learned).items()})
+    params = {k: str(v) for k, v in flat_parameters(cfg, choices, learned).items()}
+    words = dict.fromkeys(("id", "name", "identity", "dataset", "method", "machine", "version"), "")
+    return Run(**words, ended=0, params=params, metrics={})
 
 
 @cache
@@ -44,7 +47,15 @@ def runs_of(sweep, form):
     return runs
 
 
+def training_of(selection):
+    """What the training of an evaluation has: evaluate.py exchanges stages and selects the test data."""
+    trained = {name.removeprefix(TRAINED): value for name, value in selection.items() if name.startswith(TRAINED)}
+    plain = {name: value for name, value in selection.items() if not name.startswith(TRAINED) and name != SCENES}
+    return plain | trained
+
+
 def filled(selection, forms):
+    selection = training_of(selection)
     return any(matches(run, selection) for form in forms for run in runs_of(*form))
 
 

@@ -8,16 +8,19 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from model_cases import CONF, stems
 from omegaconf import OmegaConf
-from test_ablations import TABLES
+from test_ablations import DATA_SETS, TABLES
 from test_ablations import composed as of_a_row
 
 SWEEPS = stems("../sweeps")
-# Sweeps that run another table's rows too, and rows that no sweep runs: the paper has none of them.
+# Sweeps that run another table's rows too, and rows that no sweep runs: the paper has none of them, or exchanges the
+# stage in the test (sections 5.5.1 and 5.5.2 of the thesis).
 EXTRA = {"dlctus_table2": ("dlctus_table2_xiao",)}
 LEFT_OUT = (
     ("nsrd_table5_nsrr", "as published"),
     ("nsrd_table5_nsrr", "demodulation alone"),
     ("nsrd_table5_nsrr", "radiance, all material buffers"),
+    *(("dlctus_table13", f"{option}, {key}") for option in ("bilinear", "bicubic5") for key in DATA_SETS),
+    *(("dlctus_table14", f"closest, {key}") for key in DATA_SETS),
 )
 
 
