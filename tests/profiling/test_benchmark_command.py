@@ -113,6 +113,22 @@ def test_methods_by_name(inside):
         subjects_by_name(["dlss"], [4])
 
 
+def test_methods_with_switches(inside):
+    inside("model=dlctus", "model/reproject=bicubic5")
+    names = ["nsrr previous=2 reweight=none", "nsrr previous=0", "dlctus reproject=bilinear", "dlctus"]
+    both, none, bilinear, published = subjects_by_name(names, [4])
+    assert (both.name, both.model["previous"], none.model["previous"]) == ("nsrr previous=2 reweight=none", 2, 0)
+    parameters = {"model": "nsrr", "model.previous": "2", "model.reweight": "none", "task.scale": "4"}
+    assert both.parameters.items() >= parameters.items()
+    assert none.parameters["model.reweight"] == "learned"
+    assert [s.parameters["model.reproject"] for s in (bilinear, published)] == ["bilinear", "bicubic9"]
+    assert len({s.architecture for s in (both, none, bilinear, published)}) == 4
+    with pytest.raises(UserError, match="Invalid switch fast of nsrr in methods: use slot=option or setting=value"):
+        subjects_by_name(["nsrr fast"], [4])
+    with pytest.raises(UserError, match=r"model\.frames=2"):
+        subjects_by_name(["nsrr frames=2"], [4])
+
+
 def test_unknown_run(experiment):
     with pytest.raises(UserError, match="There is no run 123"):
         subjects_of_run(experiment, "123")
