@@ -10,7 +10,7 @@ from supersampling.reporting.pages.report import Report
 from supersampling.reporting.pages.section import Section
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.reporting.papers.claims import VERDICTS, Judged, Verdict
-from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Paper
+from supersampling.reporting.papers.schema import BENCHMARK, RUN_METRIC, Claim, Paper
 from supersampling.runs.statistics import Estimate
 
 STYLES: dict[Verdict, Style] = {"reproduced": "yes", "contradicted": "no", "unresolved": "open", "not run": "muted"}
@@ -145,7 +145,7 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
 
 
 def _metric(claim: Claim) -> str:
-    name = claim.metric.removeprefix(RUN_METRIC)
+    name = claim.metric.removeprefix(RUN_METRIC).removeprefix(BENCHMARK)
     if claim.margin is not None:
         return f"{name}: |a − b| < {claim.margin:g}"
     if claim.times != 1.0:
@@ -174,7 +174,7 @@ def _interval(effect: Estimate | None, claim: Claim) -> str:
 
 
 def _signed(value: float, effect: Estimate, claim: Claim) -> str:
-    if claim.metric.startswith(RUN_METRIC):
+    if claim.exact:
         return f"{value:+,.{EXACT_DIGITS}g}" if abs(value) < 1000 else thousands(value, sign=True)
     return typeset(fixed(value, 3 if math.isnan(effect.half_width) else decimals(effect.half_width), sign=True))
 
