@@ -1,14 +1,16 @@
 """The papers' tables of times, cell by cell, from made-up benchmarks that ran the tables' own commands."""
 
 import math
+import shlex
 from dataclasses import replace
 
 import pytest
 from made_up_benchmarks import MadeUpStore, number
 
+from supersampling.commands.benchmark import check_settings
 from supersampling.reporting.papers.published import load_papers
-from supersampling.reporting.papers.tables import NO_PART, NOT_RUN, TableRuns, fill
-from supersampling.reporting.papers.times import table_times
+from supersampling.reporting.papers.tables import NO_PART, NOT_AVAILABLE, NOT_RUN, TableRuns, fill
+from supersampling.reporting.papers.times import quantity_of, table_times
 from supersampling.resources import resources
 from supersampling.runs.measurements import read_measurements
 
@@ -217,6 +219,33 @@ def test_thesis_12_reprojection():
             for column, name in names.items()
         }
     )
+
+
+MEASURED = [(name, table.number) for name, paper in PAPERS.items() for table in paper.tables if table.command]
+
+
+@pytest.mark.parametrize(("paper", "number_of_table"), MEASURED)
+def test_command_of_a_table_composes_and_fills_it(paper, number_of_table, entry):
+    table = table_of(paper, number_of_table)
+    program, command, *words = shlex.split(table.command)
+    assert (program, command) == ("python", "benchmark.py")
+    check_settings(entry("benchmark", *words))
+    _, result = filled(paper, number_of_table)
+    metrics = PAPERS[paper].metrics
+    states = {
+        result.state(row, column, metrics[name])
+        for row, column in table.selections
+        for name in table.columns[column].metrics
+        if quantity_of(metrics[name].logged) and (row, column, name) not in result.values
+    }
+    assert states <= {NO_PART}
+    assert (states == {NO_PART}) == ((paper, number_of_table) in {("enss", "1"), ("dlctus", "7")})
+
+
+def test_a_method_that_the_project_lacks_is_not_available():
+    table = table_of("nsrr", "4")
+    assert filled("nsrr", "4", MadeUpStore())[1].state(4, 0, PAPERS["nsrr"].metrics["psnr"]) == NOT_AVAILABLE
+    assert table.columns[0].label == "ESPCN"
 
 
 def test_a_table_is_of_one_benchmark():

@@ -1,4 +1,4 @@
-"""What benchmarks measured of each method, by its run parameters: times of parts, sizes of modules, rendering."""
+"""Measurements of benchmarks by run parameters: times of parts, sizes of modules, rendering."""
 
 import re
 from collections import defaultdict
