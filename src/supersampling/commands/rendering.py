@@ -10,7 +10,7 @@ from supersampling.errors import UserError
 from supersampling.runs.subjects import Subject
 from supersampling.scenes.load import check_scene, load_scene
 
-SHOWN = ["part", "scale", "width", "height", "ms", "low", "high", "frames", "buffers"]
+SHOWN = ["method", "part", "scale", "width", "height", "ms", "low", "high", "frames", "buffers"]
 
 
 def rendered_scenes(cfg: DictConfig) -> list[str]:

@@ -81,29 +81,30 @@ def rendering_table(
 ) -> pd.DataFrame:
     """Return one row per architecture, target size and part: ``ms`` (median), ``low`` and ``high`` (quartiles).
 
-    Further columns: ``scene``, ``frames``, ``buffers``, ``renderer``. The frames of one camera path are rendered in
-    turn, each for all requests, so that other load affects all alike: ``frames`` of them, or as many as begin within
-    ``seconds`` per request, at least 3. One more frame before them builds what is built once.
+    Further columns: ``method``, ``scene``, ``frames``, ``buffers``, ``renderer``. The frames of one camera path are
+    rendered in turn, each for all requests, so that other load affects all alike: ``frames`` of them, or as many as
+    begin within ``seconds`` per request, at least 3. One more frame before them builds what is built once.
     """
     requests = [
-        ((subject.architecture, part), request)
+        ((subject.name, subject.architecture, part), request)
         for size in sizes
         for subject in subjects
         if not any(side % subject.scale for side in size)
         for part, request in requests_of(subject, (size[0], size[1])).items()
     ]
-    requests += [((FULL, RENDER), full_frame((size[0], size[1]))) for size in sizes]
+    requests += [(("", FULL, RENDER), full_frame((size[0], size[1]))) for size in sizes]
     with Renderer(scene) as renderer:
         times = _times(renderer, list(dict.fromkeys(request for _, request in requests)), frames, seconds)
         rows = [_row(key, request, times[request]) for key, request in dict.fromkeys(requests)]
         return pd.DataFrame(rows).assign(scene=scene.name, renderer=renderer.gl_renderer)
 
 
-def _row(key: tuple[str, str], request: Request, seconds: Sequence[float]) -> dict[str, Any]:
+def _row(key: tuple[str, str, str], request: Request, seconds: Sequence[float]) -> dict[str, Any]:
     ms = spread([1e3 * value for value in seconds])
     return {
-        "architecture": key[0],
-        "part": key[1],
+        "method": key[0],
+        "architecture": key[1],
+        "part": key[2],
         "scale": request.scale,
         "width": request.size[0],
         "height": request.size[1],
