@@ -4,6 +4,7 @@ Which side is the higher one is typed here a second time, from the papers' sente
 whose direction were swapped would contradict itself.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -251,7 +252,7 @@ def opposite(claim: Claim, levels: dict[str, float]) -> dict[str, float]:
 
 def judged(claim: Claim, levels: dict[str, float]) -> Judged:
     logged = claim.metric.startswith(RUN_METRIC)
-    runs, clips, frames = [], {}, {}
+    runs, clips, frames = [made_up("another training", {"model": "nearest"}, {})], {}, {}
     for label, selection in claim.selections.items():
         metrics = {claim.metric.removeprefix(RUN_METRIC): levels[label]} if logged else {}
         run = made_up(f"{claim.id} {label}", selection, metrics)
@@ -264,11 +265,15 @@ def judged(claim: Claim, levels: dict[str, float]) -> Judged:
 
 
 def made_up(name: str, selection: dict[str, str], metrics: dict[str, float]) -> Run:
-    """A run with the selected parameters, of "a|b" the first."""
+    """A run with the selected parameters, of "a|b" the first; an evaluation if it was not scored as it was trained."""
     params = {key: value.split("|")[0] for key, value in selection.items()}
     if params.get("model") not in UNTRAINED:
         params["budget"] = "laptop"
-    return example_run(name, metrics=metrics, **{key.replace(".", "__"): value for key, value in params.items()})
+    evaluation = params.get("test.scenes", "same") != "same" or any(key.startswith("trained.") for key in params)
+    if evaluation:
+        params.setdefault("test.scenes", "same")
+    run = example_run(name, metrics=metrics, **{key.replace(".", "__"): value for key, value in params.items()})
+    return replace(run, kind="evaluation") if evaluation else run
 
 
 def clip_table(metric: str, level: float) -> pd.DataFrame:

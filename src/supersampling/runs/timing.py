@@ -14,6 +14,12 @@ from supersampling.runs.options import described
 
 TABLE = "timings.json"
 STAGES = "stages.json"
+PARAMETERS = "parameters.json"
+"""The run parameters of each timed architecture, one row per parameter."""
+MODULES = "modules.json"
+"""Parameters and multiply-accumulates of each module of each timed architecture."""
+RENDERINGS = "renderings.json"
+"""The renderer's time for the buffers that each timed architecture reads, by scene."""
 _COLUMNS = {"reason": "why"}  # columns of the stored table that are not named as in `Timing`
 
 # Entries of a model's configuration that cannot change its speed.

@@ -4,7 +4,7 @@ Runs are selected by their parameters, so that scores are downloaded for the sel
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -12,11 +12,12 @@ import pandas as pd
 
 from supersampling.reporting.methods import Method, list_methods
 from supersampling.reporting.pages.gaps import gaps
-from supersampling.reporting.papers import claims, figures, tables
+from supersampling.reporting.papers import claims, figures, tables, times
 from supersampling.reporting.papers.effects import RunScores
 from supersampling.reporting.papers.schema import Paper
 from supersampling.reporting.settings import Choice
 from supersampling.runs.estimates import indexed
+from supersampling.runs.measurements import Measurement, read_measurements
 from supersampling.runs.store import FinishedRuns, Run, Store
 
 MAX_METHODS = 24
@@ -32,18 +33,23 @@ class PaperRuns:
     figures: list[figures.FigureRuns]
 
     @classmethod
-    def of(cls, paper: Paper, choice: Choice) -> "PaperRuns":
+    def of(cls, paper: Paper, choice: Choice, measurements: Sequence[Measurement] = ()) -> "PaperRuns":
         return cls(
             paper,
-            [tables.choose_table(table, choice) for table in paper.tables],
-            [claims.choose_claim(claim, choice) for claim in paper.claims],
+            [
+                replace(tables.choose_table(table, choice), times=times.table_times(table, paper.metrics, measurements))
+                for table in paper.tables
+            ],
+            [claims.choose_claim(claim, choice, measurements) for claim in paper.claims],
             [figures.choose_figure(figure, choice) for figure in paper.figures],
         )
 
     @property
     def runs(self) -> list[Run]:
+        """The runs that were scored."""
         cells = [run for table in self.tables for runs in table.cells.values() for run in runs]
         sides = [run for claim in self.claims for runs in claim.runs.values() for run in runs]
+        sides = [run for run in sides if run.kind != "benchmark"]
         return [*cells, *sides, *(run for figure in self.figures for run in figure.runs)]
 
     @property
@@ -101,7 +107,8 @@ def gather(
     All ``known`` papers decide which configuration leads its model, so that a paper's report does not depend on the
     number of papers that are reported.
     """
-    selected = [PaperRuns.of(paper, choice) for paper in papers]
+    measurements = read_measurements(store, experiment.id)
+    selected = [PaperRuns.of(paper, choice, measurements) for paper in papers]
     configurations = list_methods(choice.pools[choice.setting], known)
     leading = [method for method in configurations if method.leading]
     methods = configurations if len(configurations) <= MAX_METHODS else leading

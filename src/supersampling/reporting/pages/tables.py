@@ -133,6 +133,11 @@ def _notes(filled: Filled, paper: Paper) -> list[str]:
     notes = [full_stop(text) for text in (table.caption, table.note, table.lost) if text]
     sweep = sweep_of(table, paper)
     sweep_note = [f"What is not run: sweeps={sweep}."] if sweep else []
+    if table.command:
+        notes.append(f"Measured by {table.command}")
+    notes += [f"Ours, measured: {full_stop(text)}" for text in filled.measured]
+    if filled.measured and not filled.settings:
+        return notes
     if not filled.settings:
         return [*notes, "Ours: not run.", *sweep_note]
     notes.append(_settings_note(filled))

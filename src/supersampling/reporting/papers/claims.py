@@ -1,15 +1,17 @@
 """The papers' conclusions, judged by the paired statistics on our runs."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Literal
 
 from supersampling.reporting.papers.effects import RunScores, effect, scene_effects
 from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Selection
+from supersampling.reporting.papers.times import Measured, choose_times, quantity_of
 from supersampling.reporting.selection import choose_runs, pools_for
 from supersampling.reporting.settings import Choice, Setting
+from supersampling.runs.measurements import Measurement
 from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Run
 
@@ -72,12 +74,15 @@ class Judged:
         return count + (f"; not on {', '.join(against)}" if against else "")
 
 
-def choose_claim(claim: Claim, choice: Choice) -> ClaimRuns:
+def choose_claim(claim: Claim, choice: Choice, measurements: Sequence[Measurement] = ()) -> ClaimRuns:
     """Return the runs that a claim compares: of one setting, agreeing in all that the claim does not name.
 
     Of several settings the first that has most of them.
     """
     selections = claim.selections
+    if (quantity := quantity_of(claim.metric)) is not None:
+        cells = {label: (selection, quantity) for label, selection in selections.items()}
+        return ClaimRuns(claim, None, _measured_runs(claim, choose_times(cells, measurements)))
     best = ClaimRuns(claim, None, {label: [] for label in selections})
     for setting, pool in pools_for(choice, selections.values(), {}):
         cells = choose_runs(pool, selections).cells
@@ -86,6 +91,16 @@ def choose_claim(claim: Claim, choice: Choice) -> ClaimRuns:
         if not best.missing:
             break
     return best
+
+
+def _measured_runs(claim: Claim, times: Mapping[str, Measured]) -> dict[str, list[Run]]:
+    """Return the benchmark's run for each side, with the side's number as its metric."""
+    return {
+        label: [replace(item.measurement.benchmark, metrics={claim.metric: item.value})]
+        if (item := times.get(label)) and not math.isnan(item.value)
+        else []
+        for label in claim.selections
+    }
 
 
 def judge(selected: ClaimRuns, scores: RunScores) -> Judged:
@@ -104,8 +119,8 @@ def judge(selected: ClaimRuns, scores: RunScores) -> Judged:
     whole = effect(selected.runs[labels[-1]], selected.runs[labels[0]], claim, scores)
     verdict = _together([step.verdict for step in steps])
     reason = _reason(selected, steps, verdict)
-    same = any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs)
-    if same and claim.against is None:
+    measured = quantity_of(claim.metric) is not None  # one benchmark has both sides
+    if not measured and any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs):
         verdict = "unresolved"
         reason = "both sides are the same runs: what the claim names is not in their parameters"
     return Judged(
@@ -123,7 +138,7 @@ def side(claim: Claim, value: Estimate | None) -> Verdict:
     interval."""
     if value is None:
         return "not run"
-    exact = claim.metric.startswith(RUN_METRIC)
+    exact = claim.exact
     low, high = (value.mean, value.mean) if exact else (value.low, value.high)
     if math.isnan(low) or math.isnan(high):
         return "unresolved"
@@ -170,9 +185,7 @@ def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str
     if verdict == "not run":
         if selected.missing:
             return _missing(selected)
-        names = dict.fromkeys([claim.metric, claim.against or claim.metric])
-        metrics = " and ".join(name.removeprefix(RUN_METRIC) for name in names)
-        return f"the runs are there, but not all logged {metrics}" + (
+        return f"the runs are there, but not all logged {claim.metric.removeprefix(RUN_METRIC)}" + (
             f" of frames {claim.frames[0]} to {claim.frames[1]}" if claim.frames is not None else ""
         )
     labels = [step.label for step in steps if step.verdict == verdict] if claim.stepwise else []

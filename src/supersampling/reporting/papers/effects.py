@@ -28,10 +28,9 @@ def effect(a: Sequence[Run], b: Sequence[Run], claim: Claim, scores: RunScores, 
     """
     if not a or not b:
         return None
-    if not claim.metric.startswith(RUN_METRIC):
+    if not claim.exact:
         return difference(a, b, claim.metric, quantities(claim, [*a, *b], scores), times)
-    first = logged(a, claim.metric.removeprefix(RUN_METRIC))
-    second = logged(b, (claim.against or claim.metric).removeprefix(RUN_METRIC))
+    first, second = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (a, b))
     if first is None or second is None or (claim.relative and second.mean == 0):
         return None
     value = times * first.mean - second.mean
@@ -40,7 +39,7 @@ def effect(a: Sequence[Run], b: Sequence[Run], claim: Claim, scores: RunScores, 
 
 def scene_effects(a: Sequence[Run], b: Sequence[Run], claim: Claim, scores: RunScores) -> dict[str, float]:
     """Return each scene's mean of ``times * a - b``; empty for a logged number."""
-    if claim.metric.startswith(RUN_METRIC):
+    if claim.exact:
         return {}
     return scene_differences(a, b, claim.metric, quantities(claim, [*a, *b], scores), claim.times)
 

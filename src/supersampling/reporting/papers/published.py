@@ -12,6 +12,8 @@ import yaml
 from supersampling.errors import UserError
 from supersampling.reporting.papers.quantity_checks import check_quantity
 from supersampling.reporting.papers.schema import BY_NUMBER, Claim, Paper, PublishedFigure, PublishedTable, Selection
+from supersampling.reporting.papers.times import quantity_of
+from supersampling.runs.measurements import DEFAULT_PART
 
 # 2, or S2 of a supplement.
 NUMBER = re.compile(r"[A-Z]?\d+[a-z]?")
@@ -41,8 +43,10 @@ def load_paper(path: Path) -> Paper:
         raise UserError(f"Invalid YAML in {path}: correct it ({error}).") from error
     paper = _build(Paper, raw, str(path))
     _check_places(paper, str(path))
+    _check_metrics(paper, path)
     for table in paper.tables:
         _check_table(table, paper, f"{path}: table {table.number}")
+        _check_measured(table, paper, f"{path}: table {table.number}")
     for fact in paper.facts:
         for row in fact.rows:
             if len(row) != len(fact.headers):
@@ -87,6 +91,17 @@ def _check_places(paper: Paper, path: str) -> None:
             raise UserError(f"{path}: {name}: Invalid page={page}: use at least 1, or 0 if it is unknown.")
 
 
+def _check_metrics(paper: Paper, path: str) -> None:
+    """Raise `UserError` for a metric of benchmarks that they do not measure."""
+    for name, metric in paper.metrics.items():
+        quantity = quantity_of(metric.logged)
+        if quantity is not None and quantity not in DEFAULT_PART:
+            raise UserError(
+                f"{path}: metrics.{name}: Invalid logged={metric.logged}: use benchmark: and one of "
+                f"{', '.join(DEFAULT_PART)}."
+            )
+
+
 def _check_unique(values: Iterable[str], place: str) -> None:
     items = list(values)
     repeated = sorted({value for value in items if items.count(value) > 1})
@@ -116,6 +131,20 @@ def _check_table(table: PublishedTable, paper: Paper, place: str) -> None:
             raise UserError(f"{place}: Row {row.labels} has a null: say in lost what is missing and why.")
 
 
+def _check_measured(table: PublishedTable, paper: Paper, place: str) -> None:
+    """Raise `UserError` for a cell of a ``benchmark:`` metric that no benchmark can fill."""
+    for (row, column), selection in table.selections.items():
+        for name in table.columns[column].metrics:
+            logged = paper.metrics[name].logged
+            if quantity_of(logged) is None:
+                continue
+            if "size" not in selection:
+                labels = f"{table.rows[row].labels} and {table.columns[column].label}"
+                raise UserError(f"{place}: Missing size of {labels}: add size, such as 1920x1080, to the selection.")
+            if not table.command:
+                raise UserError(f"{place}: Missing command of a benchmark: metric: add the command that measures it.")
+
+
 def _check_figure(figure: PublishedFigure, place: str) -> None:
     if figure.kind in ("curve", "front") and figure.x is None:
         raise UserError(f"{place}: Missing x of a {figure.kind}: use a run parameter or metric, or frame for a curve.")
@@ -133,8 +162,10 @@ def _check_claim(claim: Claim, paper: Paper, place: str) -> None:
         _check_unique((step.label for step in claim.steps), f"{place}: labels of steps")
     elif claim.a is None or claim.b is None or claim.steps:
         raise UserError(f"{place}: Invalid sides of kind={claim.kind}: use a and b, and no steps.")
-    elif claim.a == claim.b and claim.against is None:
+    elif claim.a == claim.b:
         raise UserError(f"{place}: The sides a and b are the same selection: use different ones.")
+    if quantity_of(claim.metric) is not None and any("size" not in side for side in claim.selections.values()):
+        raise UserError(f"{place}: Missing size of metric={claim.metric}: add size, such as 1920x1080, to base.")
     if (claim.kind == "same") != (claim.margin is not None) or (claim.margin is not None and claim.margin <= 0):
         raise UserError(
             f"{place}: Invalid margin={claim.margin} of kind={claim.kind}: use a positive one for same, none for "

@@ -1,13 +1,12 @@
 """Checks of the quantity that a claim is about, and of how large its difference must be."""
 
 from supersampling.errors import UserError
-from supersampling.reporting.papers.schema import RUN_METRIC, Claim
+from supersampling.reporting.papers.schema import Claim
 
 
 def check_quantity(claim: Claim, place: str) -> None:
     """Raise `UserError` unless the claim's metric and kind allow its frames, factor, percent or smallest difference."""
-    logged = claim.metric.startswith(RUN_METRIC)
-    if claim.over_frames and (logged or (claim.frames is not None and claim.settles is not None)):
+    if claim.over_frames and (claim.exact or (claim.frames is not None and claim.settles is not None)):
         raise UserError(
             f"{place}: Invalid frames={claim.frames} or settles={claim.settles} of metric={claim.metric}: use one of "
             "them, of a metric that frames have."
@@ -16,10 +15,8 @@ def check_quantity(claim: Claim, place: str) -> None:
         raise UserError(f"{place}: Invalid frames={claim.frames}: use the first and the last frame, from 0.")
     if claim.settles is not None and claim.settles <= 0:
         raise UserError(f"{place}: Invalid settles={claim.settles:g}: use a positive distance.")
-    if (claim.relative or claim.against is not None) and not logged:
-        raise UserError(f"{place}: Invalid metric={claim.metric} of relative or against: use a {RUN_METRIC} metric.")
-    if claim.against is not None and not claim.against.startswith(RUN_METRIC):
-        raise UserError(f"{place}: Invalid against={claim.against}: use a {RUN_METRIC} metric.")
+    if claim.relative and not claim.exact:
+        raise UserError(f"{place}: Invalid metric={claim.metric} of relative: use a run: or benchmark: metric.")
     if claim.times != 1.0 and not (claim.times > 1.0 and claim.kind == "less" and not claim.relative):
         raise UserError(
             f"{place}: Invalid times={claim.times:g} of kind={claim.kind}: use a factor above 1, of kind less and not "

@@ -10,6 +10,7 @@ from typing import Literal
 
 Selection = Mapping[str, str]
 RUN_METRIC = "run:"
+BENCHMARK = "benchmark:"
 BY_NUMBER = ""
 
 
@@ -18,7 +19,10 @@ class Metric:
     """A printed quantity; ``logged`` names the column of our clip tables (or the run's metric) that holds it, times
     ``factor``.
 
-    ``logged`` is ``None`` for a quantity that is never measured here.
+    ``benchmark:ms``, ``benchmark:parameters`` and ``benchmark:gmac`` (10^9 multiply-accumulates) are what runs of
+    ``benchmark.py`` measured. A cell's selection then names the target's ``size``, and possibly the ``part`` of the
+    method (``a + b - c`` adds parts, ``a|b`` takes the first that the method has), the ``backend`` and the
+    ``precision``. ``logged`` is ``None`` for a quantity that is never measured here.
     """
 
     label: str
@@ -76,6 +80,7 @@ class PublishedTable(Placed):
         source: whether our numbers are means of clip scores or metrics that the runs logged themselves.
         file: the sweep that runs the rows (`BY_NUMBER`: ``<paper>_table<number>``).
         lost: which numbers the text lacks.
+        command: the command that measures the ``benchmark:`` metrics.
     """
 
     compare: Literal["row", "column"]
@@ -87,6 +92,17 @@ class PublishedTable(Placed):
     source: Literal["clips", "run"] = "clips"
     file: str | None = BY_NUMBER
     prefer: Selection | None = None
+    command: str = ""
+
+    @property
+    def selections(self) -> dict[tuple[int, int], Selection]:
+        """The selection of each cell ``(row, column)`` that this project can fill."""
+        return {
+            (r, c): {**self.base, **row.select, **column.select}
+            for r, row in enumerate(self.rows)
+            for c, column in enumerate(self.columns)
+            if row.select is not None and column.select is not None
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,8 +146,8 @@ class Claim:
     """A conclusion of a paper, as a statement about the paired difference ``a - b``, or about every step of a series.
 
     Attributes:
-        metric: a column of the clip tables, or, with ``run:`` before it, a metric that runs logged.
-        against: the logged metric of ``b``, if it is another one than that of ``a``.
+        metric: a column of the clip tables, or, with ``run:`` before it, a metric that runs logged, or one of
+            benchmarks (see `Metric`).
         frames: the first and the last frame of each clip, from 0, that the claim is about; the mean over them counts.
         settles: the quantity is how many frames pass until the metric is this close to its median over the second
             half of the clip.
@@ -152,7 +168,6 @@ class Claim:
     a: Selection | None = None
     b: Selection | None = None
     margin: float | None = None
-    against: str | None = None
     frames: list[int] | None = None
     settles: float | None = None
     at_least: float = 0.0
@@ -162,6 +177,11 @@ class Claim:
     published: float | None = None
     where: str = ""
     needs: str = ""
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is about a number that runs log themselves, which has no interval."""
+        return self.metric.startswith((RUN_METRIC, BENCHMARK))
 
     @property
     def stepwise(self) -> bool:
