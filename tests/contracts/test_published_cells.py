@@ -18,7 +18,7 @@ from supersampling.runs.store import Run
 
 PAPERS = {name: load_paper(Path(CONF.parent / "reports" / "published" / f"{name}.yaml")) for name in ("nsrd", "dlctus")}
 # Classical methods run by themselves beside each job.
-BASELINES = ("model=bicubic", "model=jau", "model=tus")
+BASELINES = ("model=bicubic", "model=jau", "model=tus_thesis", "model=tus")
 FORMS = [(name, "") for name in SWEEPS] + [(name, words) for name, (words, _) in IN_MINUTES.items()]
 
 

@@ -146,8 +146,8 @@ def _notes(filled: Filled, paper: Paper) -> list[str]:
         notes.append(f"Mean over {' to '.join(str(n) for n in sorted({seeds[0], seeds[-1]}))} seeds.")
     if table.source == "run":
         notes.append("Our numbers are those that the runs logged; they have no interval.")
-    if any(paper.metrics[name].logged == "mssim_thesis" for _, _, name in filled.values):
-        notes.append("SSIM by the thesis's definition (mssim_thesis).")
+    if any(paper.metrics[name].logged == "ssim_zero_pad11" for _, _, name in filled.values):
+        notes.append("SSIM as the thesis's program computes it (ssim_zero_pad11).")
     if 0 < len(filled.gaps) <= LEADS:
         leads = "; ".join(f"{name} {_interval(gap)}" for name, gap in filled.gaps.items())
         notes.append(f"Lead of our best over our second PSNR in dB, paired over clips: {leads}.")
