@@ -115,14 +115,27 @@ class Series:
 
 @dataclass(frozen=True, kw_only=True)
 class PublishedFigure(Placed):
-    """A figure drawn from numbers. ``x`` is a run parameter, a run metric, or ``frame``; boxes and bars need none."""
+    """A figure drawn from numbers.
 
-    kind: Literal["box", "curve", "bars", "front"]
+    Attributes:
+        kind: ``training`` draws what runs logged after every epoch.
+        metric: a column of the clip or frame tables; for ``training`` a metric that runs logged, such as ``val/psnr``.
+        more: further metrics, each with a panel of its own.
+        x: a run parameter, a run metric, or ``frame``; of boxes ``frame`` makes every frame a value. Boxes and bars
+            need none, and training has none.
+    """
+
+    kind: Literal["box", "curve", "bars", "front", "training"]
     metric: str
     series: list[Series]
+    more: list[str] = field(default_factory=list)
     base: Selection = field(default_factory=dict)
     sweep: str | None = None
     x: str | None = None
+
+    @property
+    def metrics(self) -> list[str]:
+        return [self.metric, *self.more]
 
 
 @dataclass(frozen=True, kw_only=True)
