@@ -1,4 +1,4 @@
-"""Every cell, series and claim that selects runs is filled by a job of the sweep that the file names."""
+"""Every cell, series, picture and claim that selects runs is filled by a job of the sweep that the file names."""
 
 from functools import cache
 from pathlib import Path
@@ -16,7 +16,11 @@ from supersampling.runs.identity import flat_parameters
 from supersampling.runs.relation import SCENES, TRAINED
 from supersampling.runs.store import Run
 
-PAPERS = {name: load_paper(Path(CONF.parent / "reports" / "published" / f"{name}.yaml")) for name in ("nsrd", "dlctus")}
+PUBLISHED = CONF.parent / "reports" / "published"
+PAPERS = {name: load_paper(PUBLISHED / f"{name}.yaml") for name in ("nsrd", "dlctus")}
+PICTURED = {name: load_paper(PUBLISHED / f"{name}.yaml") for name in ("nsrr", "nsrd", "enss", "dlctus")}
+# Series of a picture that another sweep runs: Xiao et al. beside ENSS.
+ELSEWHERE = {("enss", "Xiao et al."): "enss_table2_xiao"}
 # Classical methods run by themselves beside each job.
 BASELINES = ("model=bicubic", "model=jau", "model=tus_thesis", "model=tus")
 FORMS = [(name, "") for name in SWEEPS] + [(name, words) for name, (words, _) in IN_MINUTES.items()]
@@ -82,6 +86,19 @@ def cells():
 @pytest.mark.parametrize(("file", "selection"), cells())
 def test_a_cell_has_a_job(file, selection):
     assert filled(selection, [form for form in FORMS if form[0].startswith(file)])
+
+
+def pictures():
+    for name, paper in PICTURED.items():
+        for picture in paper.pictures:
+            for label, selection in picture.selections.items():
+                sweep = ELSEWHERE.get((name, label), picture.sweep)
+                yield pytest.param(sweep, selection, id=f"{name} {picture.number} {label}")
+
+
+@pytest.mark.parametrize(("file", "selection"), pictures())
+def test_a_picture_has_a_job(file, selection):
+    assert filled(selection, [form for form in FORMS if form[0] == file])
 
 
 # A longer training than a table's, and runs that evaluate.py makes of a training.

@@ -14,8 +14,9 @@ from example_runs import example_run
 from supersampling.reporting.papers.claims import Judged, choose_claim, judge, text
 from supersampling.reporting.papers.effects import RunScores
 from supersampling.reporting.papers.published import load_papers
-from supersampling.reporting.papers.schema import RUN_METRIC, Claim
+from supersampling.reporting.papers.schema import BENCHMARK, RUN_METRIC, Claim
 from supersampling.reporting.settings import choose
+from supersampling.runs.measurements import Measurement
 from supersampling.runs.store import Run
 
 CLAIMS = {
@@ -53,12 +54,13 @@ HIGHER = {
     nsrr-23 model=nsrr
     nsrr-24 model.previous=4
     nsrr-25 model.previous=4
-    nsrr-26 model=full_resolution
+    nsrr-26 model=none
     nsrr-27 model=vespcn_plus
     nsrr-28 test.scenes=same
     nsrr-29 test.scenes=same
     nsrr-30 test.scenes=subset
     nsrr-31 model=nsrr
+    nsrr-32 part=total
     nsrd-1 model.demodulate=log_lighting
     nsrd-2 model.demodulate=lighting|log_lighting
     nsrd-3 model=nsrd
@@ -79,7 +81,7 @@ HIGHER = {
     nsrd-18 model.demodulate=lighting
     nsrd-19 model=nsrd
     nsrd-20 model=nsrd
-    nsrd-21 model=full_resolution
+    nsrd-21 model=none
     nsrd-22 model=nsrr
     nsrd-23 model.recur=none
     nsrd-24 model.recur=convlstm
@@ -89,6 +91,7 @@ HIGHER = {
     nsrd-28 model=basicvsr_unidirectional
     nsrd-29 model=nsrd
     nsrd-30 model=nsrd
+    nsrd-31 part=render.high+render.g_buffers+total
     enss-1 model=enss_s
     enss-2 model=enss_l
     enss-3 model=enss_l
@@ -122,12 +125,13 @@ HIGHER = {
     enss-31 model.history=blended
     enss-32 loss=nsrr
     enss-33 model.kernel_prediction=both
+    enss-35 model=nsrr
     enss-34 data.scenes=airstrip,arena,atrium,bar,foundry,louvres,market,sundial,turntable
     dlctus-1 model=dlctus
     dlctus-2 model=dlctus
     dlctus-3 model=nsrr
     dlctus-4 model=dlctus
-    dlctus-5 model=tus
+    dlctus-5 model=tus_thesis
     dlctus-6 model.reproject=bicubic9
     dlctus-7 model.reproject=bicubic9
     dlctus-8 model.reproject=bicubic5
@@ -162,26 +166,35 @@ HIGHER = {
     dlctus-37 loss.theta=0.1
     dlctus-38 budget.epochs=18
     dlctus-39 task.scale=2
-    dlctus-40 model.mode=bilinear
+    dlctus-40 model=jau
     dlctus-41 model=bicubic
+    dlctus-42 backend=eager
+    dlctus-43 backend=thesis_1
+    dlctus-44 part=total
     """.strip().splitlines()
 }
 # Both sides of factors and percentages as they are printed, a and b; frames from 0.
 PRINTED = {
     "nsrr-25": (24.42, 21.36),
     "nsrr-26": (44.08, 140.6),
+    "nsrr-32": (17.2, 24.4),
     "nsrd-21": (29.3, 89.6),
     "nsrd-27": (12.41, 75.21),
     "nsrd-28": (1.61e6, 4.87e6),
+    "nsrd-31": (0.84, 14.03),
     "enss-6": (3.52, 13.93),
     "enss-11": (0.54, 1.10),
     "enss-26": (1.62, 13.80),
     "enss-30": (0.03, 0.54),
     "dlctus-22": (2.15, 24.4),
     "dlctus-39": (2146, 2151),
+    "dlctus-42": (2638, 2930),
+    "dlctus-43": (2146, 2638),
+    "dlctus-44": (1.476, 2.146),
 }
 RANGES = {"dlctus-23": [4, 6], "dlctus-24": [10, 59], "dlctus-25": [4, 6], "dlctus-29": [12, 59]}
-UNTRAINED = ("bicubic", "jau", "tus")
+UNTRAINED = ("bicubic", "jau", "jau_bicubic", "tus", "tus_thesis")
+WAY = {"backend": "onnxruntime", "precision": "float32", "device": "cpu", "threads": "2"}
 SCENES = ("arena", "bar", "foundry")
 FRAMES = 24
 
@@ -228,6 +241,9 @@ def claimed(claim: Claim) -> dict[str, float]:
         return dict.fromkeys(labels, 30.0)
     ends = [_own(claim, label) for label in (labels[0], labels[-1])]
     (rising,) = [end for end, words in enumerate(ends) if any(word.endswith(up) for word in words)]
+    if claim.relative:
+        share = abs(claim.published or 0.5 * (claim.margin or 50.0)) / 100
+        return {"b": 30.0, "a": 30.0 * (1 + share if rising else 1 - share)}
     low, high = 30.0, 30.0 + size(claim)
     if claim.times > 1.0:
         high = 1.1 * claim.times * low
@@ -237,8 +253,6 @@ def claimed(claim: Claim) -> dict[str, float]:
 
 def size(claim: Claim) -> float:
     """The published difference; without one, one that the claim's wording allows."""
-    if claim.relative:  # of the side b, which is 30
-        return 0.3 * abs(claim.published or 0.5 * (claim.margin or 100.0))
     return abs(claim.published or (0.5 * claim.margin if claim.margin else 5.0))
 
 
@@ -247,10 +261,13 @@ def opposite(claim: Claim, levels: dict[str, float]) -> dict[str, float]:
     labels = list(levels)
     if claim.margin is not None:
         return {labels[0]: 30.0, labels[1]: 30.0 + 3 * claim.margin}
+    if claim.relative and claim.at_least < 0:  # a part that is a smaller one of the whole
+        return {"b": 30.0, "a": 0.3 * (90 + claim.at_least)}
     return dict(zip(labels, reversed(levels.values())))
 
 
 def judged(claim: Claim, levels: dict[str, float]) -> Judged:
+    measurements = measured(claim, levels) if claim.metric.startswith(BENCHMARK) else []
     logged = claim.metric.startswith(RUN_METRIC)
     runs, clips, frames = [made_up("another training", {"model": "nearest"}, {})], {}, {}
     for label, selection in claim.selections.items():
@@ -261,7 +278,30 @@ def judged(claim: Claim, levels: dict[str, float]) -> Judged:
         contrary = -levels[label]
         clips[run.id] = clip_table(claim.metric, contrary if claim.over_frames else levels[label])
         frames[run.id] = frame_table(claim, levels[label], contrary)
-    return judge(choose_claim(claim, choose(runs, None, None)), RunScores(clips, frames))
+    return judge(choose_claim(claim, choose(runs, None, None), measurements), RunScores(clips, frames))
+
+
+def measured(claim: Claim, levels: dict[str, float]) -> list[Measurement]:
+    """One benchmark of the sides: the last term of a sum of parts has what is left of its level."""
+    benchmark = replace(example_run("benchmark"), kind="benchmark")
+    sums = {
+        label: selection.get("part", "whole").split("|")[0].split(" + ")
+        for label, selection in claim.selections.items()
+    }
+    parts: dict[tuple[tuple[str, str], ...], dict[str, float]] = {}
+    for label, names in sorted(sums.items(), key=lambda item: len(item[1])):
+        own = {key: value.split("|")[0] for key, value in claim.selections[label].items() if key != "part"}
+        numbers = parts.setdefault(tuple(sorted({**WAY, **own}.items())), {})
+        numbers |= {name: numbers.get(name, 0.0) for name in names}
+        numbers[names[-1]] = levels[label] - sum(numbers[name] for name in names[:-1])
+    return [
+        Measurement(
+            benchmark=benchmark,
+            run=replace(benchmark, id=f"benchmark:{index}", params=dict(params)),
+            quantities={"ms": numbers},
+        )
+        for index, (params, numbers) in enumerate(parts.items())
+    ]
 
 
 def made_up(name: str, selection: dict[str, str], metrics: dict[str, float]) -> Run:
@@ -294,4 +334,4 @@ def frame_table(claim: Claim, level: float, contrary: float) -> pd.DataFrame:
 def _own(claim: Claim, label: str) -> list[str]:
     """The words of a side's or step's own selection."""
     own = {step.label: step.select for step in claim.steps} if claim.stepwise else {"a": claim.a, "b": claim.b}
-    return text(own[label] or {}).split()
+    return text({key: value.replace(" ", "") for key, value in (own[label] or {}).items()}).split()

@@ -104,7 +104,7 @@ def test_nsrr_frame_budget():
 def test_enss_1_stages():
     cells, result = filled("enss", "1")
     columns = [("Ours-S", "enss_s", (2,)), ("Ours-M", "enss_m", (2, 3, 4)), ("Ours-L", "enss_l", (2, 3, 4))]
-    dilation, warping = "_previous.motion_grid", "_previous.reproject"
+    dilation, warping = "_predict._previous.motion_grid", "_predict._previous.reproject"
     rows = {
         "MV dilation": (dilation,),
         "Warping": (warping,),

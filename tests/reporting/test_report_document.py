@@ -74,7 +74,7 @@ def test_the_pdf_holds_the_report(reports: Path) -> None:
     ):
         assert expected in text
     assert "99.0" not in text
-    assert len(reader.pages) <= 12
+    assert len(reader.pages) <= 16
 
 
 def test_the_same_runs_give_the_same_bytes(reports: Path, log: Log, tmp_path: Path) -> None:

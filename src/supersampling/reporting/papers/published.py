@@ -11,7 +11,15 @@ import yaml
 
 from supersampling.errors import UserError
 from supersampling.reporting.papers.quantity_checks import check_quantity
-from supersampling.reporting.papers.schema import BY_NUMBER, Claim, Paper, PublishedFigure, PublishedTable, Selection
+from supersampling.reporting.papers.schema import (
+    BY_NUMBER,
+    Claim,
+    Paper,
+    Picture,
+    PublishedFigure,
+    PublishedTable,
+    Selection,
+)
 from supersampling.reporting.papers.times import quantity_of
 from supersampling.runs.measurements import DEFAULT_PART
 
@@ -53,6 +61,8 @@ def load_paper(path: Path) -> Paper:
                 raise UserError(
                     f"{path}: facts {fact.number}: Invalid row {row}: use a cell for each of {fact.headers}."
                 )
+    for picture in paper.pictures:
+        _check_picture(picture, f"{path}: {picture.number}")
     for figure in paper.figures:
         _check_figure(figure, f"{path}: figure {figure.number}")
     for claim in paper.claims:
@@ -149,6 +159,17 @@ def _check_figure(figure: PublishedFigure, place: str) -> None:
     if figure.kind in ("curve", "front") and figure.x is None:
         raise UserError(f"{place}: Missing x of a {figure.kind}: use a run parameter or metric, or frame for a curve.")
     _check_unique((series.label for series in figure.series), f"{place}: labels of series")
+
+
+def _check_picture(picture: Picture, place: str) -> None:
+    if (picture.counterpart == "none") != (not picture.series):
+        raise UserError(
+            f"{place}: Invalid series of counterpart={picture.counterpart}: name the runs whose pictures are drawn, or "
+            "none of them for none."
+        )
+    if picture.counterpart == "none" and not picture.note:
+        raise UserError(f"{place}: Missing note of counterpart=none: say why nothing is drawn.")
+    _check_unique((series.label for series in picture.series), f"{place}: labels of series")
 
 
 def _check_claim(claim: Claim, paper: Paper, place: str) -> None:

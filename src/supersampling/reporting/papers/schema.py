@@ -9,6 +9,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 Selection = Mapping[str, str]
+Counterpart = Literal[
+    "crops", "error_maps", "epipolar", "accumulation", "reweighting", "blending", "mask_over_time", "none"
+]
 RUN_METRIC = "run:"
 BENCHMARK = "benchmark:"
 BY_NUMBER = ""
@@ -114,31 +117,58 @@ class FactTable(Placed):
     lost: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Picture(Placed):
-    """A table or figure made of pictures, and which of ours show the same."""
-
-    counterpart: Literal["crops", "error_maps", "epipolar", "accumulation", "none"]
-
-
 @dataclass(frozen=True)
 class Series:
-    """One line, box or bar of a figure, or one step of a claim."""
+    """One line, box or bar of a figure, one of several pictures side by side, or one step of a claim."""
 
     label: str
     select: Selection
 
 
 @dataclass(frozen=True, kw_only=True)
-class PublishedFigure(Placed):
-    """A figure drawn from numbers. ``x`` is a run parameter, a run metric, or ``frame``; boxes and bars need none."""
+class Picture(Placed):
+    """A table or figure made of pictures, and our runs whose pictures show the same.
 
-    kind: Literal["box", "curve", "bars", "front"]
+    Attributes:
+        counterpart: the kind of our pictures; for ``none``, ``note`` says why there are none.
+        series: the runs whose pictures stand side by side.
+        scenes: only these are drawn, such as those with text; all if empty.
+    """
+
+    counterpart: Counterpart
+    series: list[Series] = field(default_factory=list)
+    base: Selection = field(default_factory=dict)
+    sweep: str | None = None
+    scenes: list[str] = field(default_factory=list)
+
+    @property
+    def selections(self) -> dict[str, Selection]:
+        return {series.label: {**self.base, **series.select} for series in self.series}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PublishedFigure(Placed):
+    """A figure drawn from numbers.
+
+    Attributes:
+        kind: ``training`` draws what runs logged after every epoch.
+        metric: a column of the clip or frame tables; for ``training`` a metric that runs logged, such as ``val/psnr``.
+        more: further metrics, each with a panel of its own.
+        x: a run parameter, a run metric, or ``frame``; of boxes ``frame`` makes every frame a value. Boxes and bars
+            need none, and training has none.
+    """
+
+    kind: Literal["box", "curve", "bars", "front", "training"]
     metric: str
     series: list[Series]
+    more: list[str] = field(default_factory=list)
     base: Selection = field(default_factory=dict)
     sweep: str | None = None
     x: str | None = None
+
+    @property
+    def metrics(self) -> list[str]:
+        return [self.metric, *self.more]
 
 
 @dataclass(frozen=True, kw_only=True)
