@@ -107,6 +107,8 @@ def test_claim_about_a_factor_and_about_nothing_measured() -> None:
     ):
         selected = choose_claim(claim(times=times, **sides), Choice(SETTING, {}), measurements)
         assert judge(selected, {}).verdict == verdict
+    same = claim(a={"backend": "eager"}, b={"backend": "eager", "threads": "2"})
+    assert judge(choose_claim(same, Choice(SETTING, {}), measurements), {}).verdict == "unresolved"
     missing = judge(choose_claim(claim(b={"backend": "native"}), Choice(SETTING, {}), measurements), {})
     assert (missing.verdict, missing.reason) == ("not run", "no run with backend=native")
 
