@@ -122,6 +122,7 @@ def test_claim_about_a_factor_and_about_nothing_measured() -> None:
             r"table 6: Missing size of \['time \(µs\)'\] and Conv3x3",
         ),
         ("logged: benchmark:ms", "logged: benchmark:seconds", r"stage_time: Invalid logged=benchmark:seconds: use"),
+        ("metric: run:time/onnxruntime/ms", "metric: benchmark:ms", "claim dlctus-22: Missing size of metric="),
         (f"    command: {THESIS}\n", "", "table 6: Missing command of a benchmark: metric"),
     ],
 )
