@@ -134,8 +134,9 @@ def _notes(filled: Filled, paper: Paper) -> list[str]:
     sweep = sweep_of(table, paper)
     sweep_note = [f"What is not run: sweeps={sweep}."] if sweep else []
     if table.command:
-        notes.append(f"Measured by {table.command}")
-    notes += [f"Ours, measured: {full_stop(text)}" for text in filled.measured]
+        notes.append(f"Measured by “{table.command}”.")
+    if filled.measured:
+        notes.append(f"Ours, measured: {full_stop(filled.measured)}")
     if filled.measured and not filled.settings:
         return notes
     if not filled.settings:
