@@ -72,6 +72,7 @@ def test_report_of_a_store(log: Log, tmp_path: Path) -> None:
     text = (tmp_path / "dlctus_table8.md").read_text()
     assert f"Measured by “{THESIS}”." in text
     assert f"Ours, measured: eager and thesis_1 and thesis_1_2, float32, cpu, 2 threads; {MACHINE}." in text
+    assert "Of two machines' times only ratios compare." in text
     other = (tmp_path / "dlctus_table12.md").read_text()
     assert "not run" in other
     assert "Measured by “python benchmark.py 'methods=" in other
