@@ -49,7 +49,7 @@ def test_measurements_of_a_store(log: Log, tmp_path: Path) -> None:
     assert plain.value("ms") == number(*at, "whole")
     assert plain.value("ms", "network.up") == number(*at, "network.up")
     assert (plain.value("parameters"), plain.value("gmac")) == (7.0, 0.5)
-    assert plain.where == f"eager, float32, cpu, 2 threads; {MACHINE}"
+    assert plain.where == f"float32, cpu, 2 threads; {MACHINE}"
 
 
 def test_sums_and_alternatives_of_parts() -> None:
@@ -70,9 +70,13 @@ def test_report_of_a_store(log: Log, tmp_path: Path) -> None:
     assert (cell.published, cell.unit, cell.state) == (1674, "µs", "run")
     assert set(table.state) == {"run"}
     text = (tmp_path / "dlctus_table8.md").read_text()
-    assert f"Measured by {THESIS}" in text
-    assert f"thesis_1_2, float32, cpu, 2 threads; {MACHINE}" in text
-    assert "not run" in (tmp_path / "dlctus_table12.md").read_text()
+    assert f"Measured by “{THESIS}”." in text
+    assert f"Ours, measured: eager and thesis_1 and thesis_1_2, float32, cpu, 2 threads; {MACHINE}." in text
+    assert "Of two machines' times only ratios compare." in text
+    other = (tmp_path / "dlctus_table12.md").read_text()
+    assert "not run" in other
+    assert "Measured by “python benchmark.py 'methods=" in other
+    assert "Ours, measured: thesis_1_2, float32" in other  # the third column is in the first benchmark too
 
 
 def claim(**more: object) -> Claim:
@@ -107,6 +111,8 @@ def test_claim_about_a_factor_and_about_nothing_measured() -> None:
     ):
         selected = choose_claim(claim(times=times, **sides), Choice(SETTING, {}), measurements)
         assert judge(selected, {}).verdict == verdict
+    same = claim(a={"backend": "eager"}, b={"backend": "eager", "threads": "2"})
+    assert judge(choose_claim(same, Choice(SETTING, {}), measurements), {}).verdict == "unresolved"
     missing = judge(choose_claim(claim(b={"backend": "native"}), Choice(SETTING, {}), measurements), {})
     assert (missing.verdict, missing.reason) == ("not run", "no run with backend=native")
 
@@ -120,6 +126,7 @@ def test_claim_about_a_factor_and_about_nothing_measured() -> None:
             r"table 6: Missing size of \['time \(µs\)'\] and Conv3x3",
         ),
         ("logged: benchmark:ms", "logged: benchmark:seconds", r"stage_time: Invalid logged=benchmark:seconds: use"),
+        ("metric: run:time/onnxruntime/ms", "metric: benchmark:ms", "claim dlctus-22: Missing size of metric="),
         (f"    command: {THESIS}\n", "", "table 6: Missing command of a benchmark: metric"),
     ],
 )

@@ -53,8 +53,8 @@ class Measurement:
 
     @property
     def where(self) -> str:
-        """``eager, float32, cpu, 2 threads; Linux x86_64 ...``."""
-        names = [self.run.params[name] for name in ("backend", "precision", "device")]
+        """``float32, cpu, 2 threads; Linux x86_64 ...``."""
+        names = [self.run.params[name] for name in ("precision", "device")]
         threads = [f"{self.run.params['threads']} threads"] if self.run.params["device"] == "cpu" else []
         rendered = f"; rendering by {self.renderer}" if self.renderer else ""
         return f"{', '.join([*names, *threads])}; {self.benchmark.machine}{rendered}"

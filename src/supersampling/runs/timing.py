@@ -34,7 +34,7 @@ class Timing:
         method: name as MLflow shows it.
         architecture: see `architecture`.
         width, height: size of the target, pixels.
-        backend: eager, channels_last, compile, onnxruntime, openvino, tensorrt, native.
+        backend: eager, channels_last, compile, onnxruntime, openvino, tensorrt, native, thesis_1, thesis_1_2.
         precision: float32, bfloat16, float16, int8.
         device: cpu, cuda.
         ms: median per frame; NaN if the method does not run. ``low`` and ``high`` are quartiles over ``frames`` frames.

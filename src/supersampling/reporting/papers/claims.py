@@ -8,7 +8,7 @@ from typing import Literal
 
 from supersampling.reporting.papers.effects import RunScores, effect, scene_effects
 from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Selection
-from supersampling.reporting.papers.times import Measured, choose_times, quantity_of
+from supersampling.reporting.papers.times import PART, Measured, choose_times, quantity_of
 from supersampling.reporting.selection import choose_runs, pools_for
 from supersampling.reporting.settings import Choice, Setting
 from supersampling.runs.measurements import Measurement
@@ -81,8 +81,8 @@ def choose_claim(claim: Claim, choice: Choice, measurements: Sequence[Measuremen
     """
     selections = claim.selections
     if (quantity := quantity_of(claim.metric)) is not None:
-        cells = {label: (selection, quantity) for label, selection in selections.items()}
-        return ClaimRuns(claim, None, _measured_runs(claim, choose_times(cells, measurements)))
+        sides = {label: (selection, quantity) for label, selection in selections.items()}
+        return ClaimRuns(claim, None, _measured_runs(claim, choose_times(sides, measurements)))
     best = ClaimRuns(claim, None, {label: [] for label in selections})
     for setting, pool in pools_for(choice, selections.values(), {}):
         cells = choose_runs(pool, selections).cells
@@ -94,13 +94,16 @@ def choose_claim(claim: Claim, choice: Choice, measurements: Sequence[Measuremen
 
 
 def _measured_runs(claim: Claim, times: Mapping[str, Measured]) -> dict[str, list[Run]]:
-    """Return the benchmark's run for each side, with the side's number as its metric."""
-    return {
-        label: [replace(item.measurement.benchmark, metrics={claim.metric: item.value})]
-        if (item := times.get(label)) and not math.isnan(item.value)
-        else []
-        for label in claim.selections
-    }
+    """Return the benchmark's run for each side, with the side's number as its metric.
+
+    Its identity tells the method and the part, since both sides are of one benchmark.
+    """
+    runs: dict[str, list[Run]] = {label: [] for label in claim.selections}
+    for label, item in times.items():
+        if not math.isnan(item.value):
+            identity = f"{item.measurement.run.id} {claim.selections[label].get(PART, '')}"
+            runs[label] = [replace(item.measurement.benchmark, identity=identity, metrics={claim.metric: item.value})]
+    return runs
 
 
 def judge(selected: ClaimRuns, scores: RunScores) -> Judged:
@@ -119,8 +122,7 @@ def judge(selected: ClaimRuns, scores: RunScores) -> Judged:
     whole = effect(selected.runs[labels[-1]], selected.runs[labels[0]], claim, scores)
     verdict = _together([step.verdict for step in steps])
     reason = _reason(selected, steps, verdict)
-    measured = quantity_of(claim.metric) is not None  # one benchmark has both sides
-    if not measured and any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs):
+    if any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs):
         verdict = "unresolved"
         reason = "both sides are the same runs: what the claim names is not in their parameters"
     return Judged(
@@ -176,7 +178,7 @@ def _claimed(claim: Claim, value: float) -> bool:
 
 
 def _same_runs(first: Sequence[Run], second: Sequence[Run]) -> bool:
-    return bool(first) and {run.id for run in first} == {run.id for run in second}
+    return bool(first) and {(run.id, run.identity) for run in first} == {(run.id, run.identity) for run in second}
 
 
 def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str:

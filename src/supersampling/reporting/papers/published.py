@@ -51,7 +51,7 @@ def load_paper(path: Path) -> Paper:
         raise UserError(f"Invalid YAML in {path}: correct it ({error}).") from error
     paper = _build(Paper, raw, str(path))
     _check_places(paper, str(path))
-    _check_metrics(paper, path)
+    _check_metrics(paper, str(path))
     for table in paper.tables:
         _check_table(table, paper, f"{path}: table {table.number}")
         _check_measured(table, paper, f"{path}: table {table.number}")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from supersampling.reporting.pages.sheet import Style
 from supersampling.reporting.papers.schema import Metric, Paper, PublishedTable, Selection
-from supersampling.reporting.papers.times import TableTimes, quantity_of
+from supersampling.reporting.papers.times import TableTimes, describe, quantity_of
 from supersampling.reporting.selection import choose_runs, pools_for
 from supersampling.reporting.settings import Choice, Setting
 from supersampling.runs.estimates import ClipTables, difference, estimate, logged, scaled
@@ -40,7 +40,7 @@ class Filled:
     Attributes:
         left_out: runs that match a cell but differ in other settings.
         gaps: how far the best PSNR leads the second, paired over clips, by the name of a comparison.
-        measured: where and how benchmarks measured their cells, one sentence each.
+        measured: how and where benchmarks measured their cells; empty if they measured none.
     """
 
     table: PublishedTable
@@ -49,7 +49,7 @@ class Filled:
     values: dict[tuple[int, int, str], Estimate]
     left_out: list[Run]
     gaps: dict[str, Estimate]
-    measured: list[str] = field(default_factory=list)
+    measured: str = ""
 
     def state(self, row: int, column: int, metric: Metric) -> str:
         """Return why a cell has no number of ours."""
@@ -109,7 +109,7 @@ def fill(selected: TableRuns, paper: Paper, tables: ClipTables) -> Filled:
         values=values,
         left_out=selected.left_out,
         gaps=gaps,
-        measured=sorted({item.measurement.where for item in selected.times.values()}),
+        measured=describe(selected.times.values()),
     )
 
 

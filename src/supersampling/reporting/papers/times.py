@@ -5,7 +5,7 @@ unless the selections name it (docs/benchmark.md).
 """
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -46,6 +46,17 @@ def table_times(
 def quantity_of(logged: str | None) -> str | None:
     """Return what a benchmark measured for a metric, None if the metric is not a benchmark's."""
     return logged.removeprefix(BENCHMARK) if logged is not None and logged.startswith(BENCHMARK) else None
+
+
+def describe(cells: Iterable[Measured]) -> str:
+    """Return how and where cells were measured: ``eager and native, float32, cpu, 2 threads; Linux x86_64 ...``.
+
+    Empty without cells. They are of one benchmark.
+    """
+    items = [cell.measurement for cell in cells]
+    backends = " and ".join(sorted({item.run.params[BACKEND] for item in items}))
+    places = sorted({item.where for item in items})
+    return f"{backends}, {'; '.join(places)}" if items else ""
 
 
 def choose_times(
