@@ -40,7 +40,7 @@ class CaptureSpec:
     candidates: int
     camera: str = "walk"
     origin: str = ""
-    jitter_revision: int = field(init=False)
+    jitter_revision: int = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "jitter_revision", JITTER_REVISIONS.get((self.jitter, self.scale), 0))
