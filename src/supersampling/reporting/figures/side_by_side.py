@@ -141,8 +141,8 @@ def epipolar_row(scene: Scene, out: Path, prefix: str) -> GalleryRow:
     line: list[Picture | Text] = []
     for index, shot in enumerate(scene.shots):
         width = min(WIDTH, shot.image.shape[1])
-        reference = contrast(scene.shots) if scene.equal_sizes else ([shot.image], shot.target)
-        x, _ = worst_window(*reference, width, len(shot.image))
+        outputs, reference = contrast(scene.shots) if scene.equal_sizes else ([shot.image], shot.target)
+        x, _ = worst_window(outputs, reference, width, len(shot.image))
         name = f"{prefix}_{scene.stem}_{index}.png"
         magnify(shot.image[:, x : x + width]).save(out / name)
         line.append(Picture(name))
