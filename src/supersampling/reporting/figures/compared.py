@@ -25,12 +25,16 @@ FOLDERS = {
     "mask_over_time": ["steps"],
 }
 DIFFERENT = (
-    "The scenes where the images differ most, at most three; the marked detail, magnified below, is where they differ "
-    "most, not where one is best."
+    "At most three scenes, those where the images differ most; the marked detail, magnified below, is where they "
+    "differ most, not where one is best."
 )
+WORST = (
+    "At most three scenes, those with the largest error; the marked detail, magnified below, is where it is largest."
+)
+FULL_WIDTH = 7  # pictures
 NOTES = {
-    "crops": DIFFERENT,
-    "error_maps": f"{DIFFERENT} Then the absolute error, black for none.",
+    "crops": "",
+    "error_maps": "Then the absolute error, black for none.",
     "epipolar": "The middle row of pixels in every frame, time downwards, at the columns where the images differ most.",
     "accumulation": "After a clip’s last frame: white is 1, black 0.",
     "reweighting": (
@@ -76,7 +80,11 @@ def section(report: Report) -> Section | None:
     drawn = [_draw(group, index, report) for index, group in enumerate(_groups(report.subject.pictures))]
     sheet = picture_sheet(drawn, report.subject.pictures, paper)
     export([sheet], report.stem)
-    galleries = [replace(item.gallery, caption=_caption(item, paper)) for item in drawn if item.gallery is not None]
+    galleries = [
+        replace(item.gallery, caption=_caption(item, paper), share=_share(item.gallery))
+        for item in drawn
+        if item.gallery is not None
+    ]
     return Section(title="Pictures", sheets=[sheet], galleries=galleries)
 
 
@@ -128,10 +136,18 @@ def _caption(drawn: Drawn, paper: Paper) -> list[Text]:
     joined = " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
     titles = " ".join(full_stop(item.picture.title) for item in drawn.items)
     item = drawn.items[0]
-    words = [titles, f"Ours: {item.setting}.", NOTES[item.picture.counterpart]]
+    words = [titles, f"Ours: {item.setting}."]
+    if item.picture.counterpart in ("crops", "error_maps"):
+        words.append(DIFFERENT if len(drawn.labels) > 1 else WORST)
+    words.append(NOTES[item.picture.counterpart])
     if item.missing:
         words.append(f"Not run: {', '.join(item.missing)}.")
-    return [Text(f"After {joined} {paper.of}. ", "bold"), Text(" ".join(words))]
+    return [Text(full_stop(f"After {joined} {paper.of}") + " ", "bold"), Text(" ".join(word for word in words if word))]
+
+
+def _share(gallery: Gallery) -> float:
+    """Return the part of the text's width at which a few pictures are not larger than they would be among many."""
+    return 1.0 if len(gallery.heads) == 1 else min(1.0, (len(gallery.heads) + 0.25) / FULL_WIDTH)
 
 
 def picture_sheet(drawn: Sequence[Drawn], items: Sequence[PictureRuns], paper: Paper) -> Sheet:

@@ -30,6 +30,7 @@ AXES = {
     "model/gmac": "GMAC per frame",
     "train/minutes": "minutes of training",
 }
+METRICS = {**LABELS, "pixel_distance": "distance to the pixel centre (target pixels)"}
 HEIGHT = 2.7  # of a panel, in inches
 
 
@@ -68,7 +69,7 @@ def _figure(runs: FigureRuns, paper: Paper, report: Report) -> parts.Figure:
 
 def _label(name: str, paper: Paper) -> str:
     metric = next((m for m in paper.metrics.values() if m.logged == name), None)
-    return metric_label(metric) if metric else LABELS.get(name, name)
+    return metric_label(metric) if metric else METRICS.get(name, name)
 
 
 def draw(runs: FigureRuns, scores: Scores, labels: Sequence[str], path: Path) -> bool:
@@ -99,7 +100,7 @@ def draw(runs: FigureRuns, scores: Scores, labels: Sequence[str], path: Path) ->
         if not any(drawn):
             return False
         handles, names = next(ax for ax, count in zip(axes, drawn) if count).get_legend_handles_labels()
-        if runs.figure.kind in ("curve", "training") and len(names) > 1:
+        if runs.figure.kind in ("curve", "training") and len(runs.points) > 1:
             figure.legend(handles, names, loc="outside upper center", ncols=4)
         save(figure, path)
     return True

@@ -103,7 +103,7 @@ def most_different(scenes: Sequence[Scene]) -> list[Scene]:
 
 
 def crop_row(scene: Scene, out: Path, prefix: str, with_errors: bool) -> GalleryRow:
-    """Return a scene's crops, the details where they differ most, their errors if requested, and their PSNR."""
+    """Return a scene's crops, the details where they differ most, the runs' errors if requested, and their PSNR."""
     shots, details = scene.shots, [_detail(shot, scene) for shot in scene.shots]
     names = [f"{prefix}_{scene.stem}_{index}" for index in range(len(shots))]
     for shot, (x, y, side), name in zip(shots, details, names):
@@ -114,12 +114,13 @@ def crop_row(scene: Scene, out: Path, prefix: str, with_errors: bool) -> Gallery
         [Picture(f"{name}_detail.png") for name in names],
     ]
     if with_errors:
-        compared = {name: shot for name, shot in zip(names, shots) if not shot.is_target}
+        compared = {name: shot for name, shot in zip(names, shots) if not shot.is_target and shot.head != INPUT}
         maps, worst = error_maps([s.image for s in compared.values()], [s.target for s in compared.values()])
         for name, painted in zip(compared, maps):
             magnify(painted).save(out / f"{name}_error.png")
         scale = Text(f"error\n0 to {worst:.0f}\nof 255")
-        lines.append([Picture(f"{name}_error.png") if name in compared else scale for name in names])
+        blank = [Text("") if shot.head == INPUT else scale for shot in shots]
+        lines.append([Picture(f"{n}_error.png") if n in compared else text for n, text in zip(names, blank)])
     lines.append([Text("PSNR (dB)" if shot.is_target else psnr_text(shot.image, shot.target)) for shot in shots])
     return GalleryRow(scene.name, lines)
 
@@ -140,8 +141,8 @@ def epipolar_row(scene: Scene, out: Path, prefix: str) -> GalleryRow:
     line: list[Picture | Text] = []
     for index, shot in enumerate(scene.shots):
         width = min(WIDTH, shot.image.shape[1])
-        reference = contrast(scene.shots) if scene.equal_sizes else ([shot.image], shot.target)
-        x, _ = worst_window(*reference, width, len(shot.image))
+        outputs, reference = contrast(scene.shots) if scene.equal_sizes else ([shot.image], shot.target)
+        x, _ = worst_window(outputs, reference, width, len(shot.image))
         name = f"{prefix}_{scene.stem}_{index}.png"
         magnify(shot.image[:, x : x + width]).save(out / name)
         line.append(Picture(name))
