@@ -21,7 +21,7 @@ from supersampling.metrics.directions import better
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.regions import Regions
-from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
+from supersampling.metrics.still import PSNR, SSIM, SSIMUniform11, SSIMZeroPad11
 from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.base import VideoMetric
 from supersampling.metrics.video.colorvideovdp import ColorVideoVdp
@@ -33,7 +33,7 @@ from supersampling.ops.resample import upsample_motion
 from supersampling.ops.warp import warp
 
 BUFFERS = ("target", "motion", "motion_dual", "target_radiance")
-STILL_METRICS: tuple[FrameMetric, ...] = (PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP())
+STILL_METRICS: tuple[FrameMetric, ...] = (PSNR(), SSIM(), SSIMUniform11(), SSIMZeroPad11(), FLIP())
 FRAME_METRICS: list[FrameMetric] = [*STILL_METRICS, PSNRMu(1.0), FLIPHDR(-3, 3, 6), Temporal(), Regions()]
 WARPING_METRICS: tuple[VideoMetric, ...] = (WarpingError(DualMotion()), WarpingError(Photometric()))
 CLIP_METRICS: list[VideoMetric] = [StaticDeviation(), *WARPING_METRICS, StRred(), Vmaf(), ColorVideoVdp()]

@@ -22,7 +22,7 @@ from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.lpips import LPIPS
 from supersampling.metrics.radiance import PSNRMu
 from supersampling.metrics.regions import Regions
-from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
+from supersampling.metrics.still import PSNR, SSIM, SSIMUniform11, SSIMZeroPad11
 from supersampling.metrics.temporal import Temporal
 from supersampling.metrics.video.base import Scoring, VideoMetric, VideoSuite
 from supersampling.metrics.video.colorvideovdp import ColorVideoVdp
@@ -36,7 +36,7 @@ METRICS: dict[str, Callable[[], FrameMetric | VideoMetric]] = {
     "psnr": PSNR,
     "ssim": SSIM,
     "ssim_uniform11": SSIMUniform11,
-    "mssim_thesis": MSSIMThesis,
+    "ssim_zero_pad11": SSIMZeroPad11,
     "spatial, temporal": Temporal,
     "regions": Regions,
     "psnr_hdr_mu": partial(PSNRMu, 1.0),

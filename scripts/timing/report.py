@@ -27,7 +27,7 @@ from supersampling.runs.location import uri_of_file
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = [f"scene{index}" for index in range(9)]
-STILL_METRICS = ["psnr", "ssim", "ssim_uniform11", "mssim_thesis"]
+STILL_METRICS = ["psnr", "ssim", "ssim_uniform11", "ssim_zero_pad11"]
 METRICS = [*STILL_METRICS, "spatial", "temporal", "static_std", "psnr_disoccluded"]
 CLASSICAL = ("bicubic", "jau", "tus")
 

@@ -62,9 +62,9 @@ def test_itsbaselines_are_the_same_job_with_another_method(override):
     HydraConfig.instance().set_config(cfg)
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
         jobs = baselines(cfg)
-    assert [method_name(choices) for _, choices in jobs] == ["bicubic", "jau", "tus", "tus rectify=none"]
+    assert [method_name(choices) for _, choices in jobs] == ["bicubic", "jau", "tus_thesis", "tus", "tus rectify=none"]
     for job, _ in jobs:
         assert instantiate(job.model).scale == 3
         kept = [OmegaConf.to_yaml(c[key], resolve=True) for c in (job, cfg) for key in ("task", "data")]
         assert kept[:2] == kept[2:]
-    assert [bool(OmegaConf.select(job, "tune.grid")) for job, _ in jobs] == [False, False, True, True]
+    assert [bool(OmegaConf.select(job, "tune.grid")) for job, _ in jobs] == [False, False, False, True, True]

@@ -173,7 +173,7 @@ def test_a_training_step_reaches_every_parameter(variant):
     model = trained_copy(*variant)
     buffers = clip(model.requires | model.compares, dtype=torch.float32)
     if not list(model.parameters()):
-        assert variant[0] in ("bicubic", "jau", "nearest", "tus")
+        assert variant[0] in ("bicubic", "bilinear", "jau", "jau_bicubic", "nearest", "tus", "tus_thesis")
         return
     training = Training(model, L1(), torch.optim.Adam, lambda optimizer: None, counted=2)
     training.log = lambda *args, **kwargs: None

@@ -51,7 +51,7 @@ IN_MINUTES = {
     "nsrd_table1": ("experiment=laptop/nsrd,laptop/nsrr model.previous=2", 14),
     "nsrd_figure6": ("experiment=laptop/nsrd,laptop/nsrr model.previous=2", 2),
     "nsrd_table2": ("experiment=laptop/nsrd", 1),
-    "nsrd_table5": ("experiment=laptop/nsrd model/demodulate=none,log_lighting", 2),
+    "nsrd_table5": ("experiment=laptop/nsrd model/demodulate=log_radiance,log_lighting", 2),
     "nsrd_table5_nsrr": ("experiment=laptop/nsrr model/demodulate=display,log_lighting", 2),
     "nsrd_table6": ("experiment=laptop/nsrd", 4),
     "nsrd_figure8": ("experiment=laptop/nsrd", 2),

@@ -17,7 +17,7 @@ from supersampling.models.blocks.attention import UShaped
 
 SHIFT = 4  # low-resolution pixels
 # How far borders reach into the image in two frames, low-resolution pixels: radii of convolutions, a pixel of motion.
-REACH = {"bicubic": 3, "jau": 2, "tus": 6, "dlctus": 38, "enss_m": 14, "nsrr": 20, "nsrd": 11}
+REACH = {"bicubic": 3, "jau": 2, "tus": 6, "tus_thesis": 6, "dlctus": 38, "enss_m": 14, "nsrr": 20, "nsrd": 11}
 WIDEST = 40
 # Numbers that change how much is computed and not how far it reaches.
 NARROW = {"nsrr": ("model.width=4", "model.previous=2"), "enss_m": ("model.features=8",)}

@@ -67,7 +67,7 @@ def test_sanity_rows(entry, settings, runs, capsys):
     sanity = {run.data.tags["ss.method"]: run.data.metrics for run in runs("sanity")}
     reference, raw = sanity["reference"], sanity["raw input"]
     assert reference["test/psnr"] == 100.0
-    for name in ("ssim", "ssim_uniform11", "mssim_thesis"):
+    for name in ("ssim", "ssim_uniform11", "ssim_zero_pad11"):
         assert reference[f"test/{name}"] == pytest.approx(1.0, abs=1e-5)
     for name in ("spatial", "temporal", "strred"):
         assert reference[f"test/{name}"] == 0.0

@@ -98,7 +98,7 @@ def test_unknown_names_have_no_direction(name):
 
 
 def test_distances_and_qualities_by_their_definitions():
-    for name in ("psnr_hdr_mu", "psnr_static", "ssim_uniform11", "mssim_thesis", "cvvdp_30fps", "vmaf_4k_v0.6.1"):
+    for name in ("psnr_hdr_mu", "psnr_static", "ssim_uniform11", "ssim_zero_pad11", "cvvdp_30fps", "vmaf_4k_v0.6.1"):
         assert better(name) == "higher"
     for name in ("flip_hdr", "lpips_vgg", "temporal", "srred", "warping_error_photometric", "static_std"):
         assert better(name) == "lower"

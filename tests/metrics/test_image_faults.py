@@ -13,11 +13,11 @@ from scipy.ndimage import gaussian_filter
 from supersampling.metrics.base import FrameSuite, Moment
 from supersampling.metrics.flip import FLIP, FLIPHDR
 from supersampling.metrics.radiance import PSNRMu
-from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
+from supersampling.metrics.still import PSNR, SSIM, SSIMUniform11, SSIMZeroPad11
 from supersampling.ops.display import radiance_to_display
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "metrics.md"
-SSIMS = {"ssim", "ssim_uniform11", "mssim_thesis"}
+SSIMS = {"ssim", "ssim_uniform11", "ssim_zero_pad11"}
 BLIND: dict[str, set[str]] = {
     "noise": set(),
     "brighter": SSIMS,
@@ -30,7 +30,7 @@ BLIND: dict[str, set[str]] = {
 RMS = 0.05
 SAME_RMS = ("noise", "brighter", "a blue tint", "a pattern of single pixels")
 
-DISPLAY = FrameSuite([PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), FLIP()])
+DISPLAY = FrameSuite([PSNR(), SSIM(), SSIMUniform11(), SSIMZeroPad11(), FLIP()])
 RADIANCE = FrameSuite([PSNRMu(1.0), FLIPHDR(start=-3, stop=3, number=6)])
 
 _rng = np.random.default_rng(0)

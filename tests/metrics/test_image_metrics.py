@@ -9,14 +9,14 @@ from skimage.metrics import peak_signal_noise_ratio, structural_similarity
 
 from supersampling.errors import UserError
 from supersampling.metrics.base import Moment
-from supersampling.metrics.image import PSNR_CAP, mssim_thesis, psnr, ssim_gauss11, ssim_uniform11
+from supersampling.metrics.image import PSNR_CAP, psnr, ssim_gauss11, ssim_uniform11, ssim_zero_pad11
 from supersampling.metrics.prepare import HIGHEST_RADIANCE, Continuous, EightBit, bounded
 from supersampling.metrics.radiance import PSNRMu, psnr_hdr_mu
 from supersampling.metrics.regions import Regions
-from supersampling.metrics.still import PSNR, SSIM, MSSIMThesis, SSIMUniform11
+from supersampling.metrics.still import PSNR, SSIM, SSIMUniform11, SSIMZeroPad11
 from supersampling.metrics.video.static import StaticDeviation
 
-SSIMS = (ssim_gauss11, ssim_uniform11, mssim_thesis)
+SSIMS = (ssim_gauss11, ssim_uniform11, ssim_zero_pad11)
 
 
 @pytest.fixture
@@ -75,28 +75,39 @@ def test_uniform_ssim_equals_skimage_as_nsrd_calls_it(pair, dtype, tolerance):
     assert abs(ssim_gauss11(output, target).item() - expected) > 0.01
 
 
-def test_thesis_constant_is_skimages_k2_of_0_02(pair):
-    output, target = tensors(pair, torch.float64)
-    expected = skimage_ssim(*pair, K2=0.02)
-    assert abs(expected - skimage_ssim(*pair)) > 1e-3
-    assert mssim_thesis(output, target).item() == pytest.approx(expected, abs=1e-6)
-
-
-def test_three_term_formula_of_the_thesis_collapses(pair):
-    """Equation 17 written out with C3 = C2 / 2 for one window, the image's first."""
-    x, y = (image[:1, :11, 30:41] for image in pair)
+def ssim_of_loops(output, target):
+    """Equations 14 to 17 of the thesis, ``C3 = C2 / 2``, at each pixel of each channel; zeros outside the image."""
     g = np.exp(-0.5 * ((np.arange(11) - 5) / 1.5) ** 2)
-    w = np.outer(g, g) / g.sum() ** 2
-    mx, my = (w * x).sum(), (w * y).sum()
-    sx, sy = np.sqrt((w * (x - mx) ** 2).sum()), np.sqrt((w * (y - my) ** 2).sum())
-    sxy, c1, c2 = (w * (x - mx) * (y - my)).sum(), 0.01**2, 0.02**2
-    terms = (
-        (2 * mx * my + c1) / (mx**2 + my**2 + c1),
-        (2 * sx * sy + c2) / (sx**2 + sy**2 + c2),
-        (sxy + c2 / 2) / (sx * sy + c2 / 2),
-    )
-    result = mssim_thesis(torch.from_numpy(x)[None], torch.from_numpy(y)[None])
-    assert result.item() == pytest.approx(np.prod(terms), abs=1e-10)
+    w, c1, c2 = np.outer(g, g) / g.sum() ** 2, 0.01**2, 0.03**2
+    values = []
+    for x, y in zip(output, target):
+        x, y = np.pad(x, 5), np.pad(y, 5)
+        for row, column in np.ndindex(x.shape[0] - 10, x.shape[1] - 10):
+            p, q = (image[row : row + 11, column : column + 11] for image in (x, y))
+            mp, mq = (w * p).sum(), (w * q).sum()
+            sp, sq = np.sqrt((w * (p - mp) ** 2).sum()), np.sqrt((w * (q - mq) ** 2).sum())
+            covariance = (w * (p - mp) * (q - mq)).sum()
+            luminance = (2 * mp * mq + c1) / (mp**2 + mq**2 + c1)
+            contrast = (2 * sp * sq + c2) / (sp**2 + sq**2 + c2)
+            values.append(luminance * contrast * (covariance + c2 / 2) / (sp * sq + c2 / 2))
+    return np.mean(values)
+
+
+@pytest.mark.parametrize("size", [(9, 16), (23, 14)])  # one smaller than a window
+def test_zero_padded_ssim_equals_loops(pair, size):
+    output, target = (np.ascontiguousarray(image[:, : size[0], 12 : 12 + size[1]]) for image in pair)
+    result = ssim_zero_pad11(*tensors((output, target), torch.float64)).item()
+    assert result == pytest.approx(ssim_of_loops(output, target), abs=1e-10)
+
+
+def test_border_tells_the_two_gaussian_ssims_apart(pair):
+    output, target = tensors(pair, torch.float64)
+    assert abs(ssim_zero_pad11(output, target) - ssim_gauss11(output, target)) > 1e-3
+    middle = (..., slice(10, 30), slice(10, 43))
+    changed = output.clone()
+    changed[..., :2, :] = 0.5
+    assert ssim_gauss11(changed[middle], target[middle]) == ssim_gauss11(output[middle], target[middle])
+    assert ssim_zero_pad11(changed, target) < ssim_zero_pad11(output, target)
 
 
 @pytest.mark.parametrize("ssim", SSIMS)
@@ -105,7 +116,7 @@ def test_identical_images_score_one(pair, ssim):
     assert ssim(target, target).item() == pytest.approx(1.0, abs=1e-6)
 
 
-@pytest.mark.parametrize("ssim", SSIMS)
+@pytest.mark.parametrize("ssim", [ssim_gauss11, ssim_uniform11])
 def test_image_smaller_than_the_window_is_error(ssim):
     assert ssim(torch.zeros(1, 3, 11, 11), torch.zeros(1, 3, 11, 11)).item() == pytest.approx(1.0)
     with pytest.raises(UserError, match="12x10"):
@@ -114,12 +125,14 @@ def test_image_smaller_than_the_window_is_error(ssim):
 
 @pytest.mark.parametrize("ssim", SSIMS)
 def test_black_frames(ssim):
-    """Black against black is identical; against flat grey only the luminance term remains."""
+    """Black against black is identical; against flat grey only the luminance term remains, but for the border that
+    zeros outside the image make of it."""
     black, grey = torch.zeros(1, 3, 16, 16), torch.full((1, 3, 16, 16), 0.5)
     assert psnr(black, black).item() == PSNR_CAP
     assert psnr(black, grey).item() == pytest.approx(20 * np.log10(2), abs=1e-5)
     assert ssim(black, black).item() == pytest.approx(1.0, abs=1e-6)
-    assert ssim(black, grey).item() == pytest.approx(1e-4 / (0.25 + 1e-4), abs=1e-5)
+    if ssim is not ssim_zero_pad11:
+        assert ssim(black, grey).item() == pytest.approx(1e-4 / (0.25 + 1e-4), abs=1e-5)
 
 
 @pytest.mark.parametrize("broken", [float("nan"), float("inf"), -float("inf")])
@@ -182,10 +195,10 @@ def test_each_metric_computes_its_function(pair):
         "psnr": psnr(output, target).item(),
         "ssim": ssim_gauss11(output, target).item(),
         "ssim_uniform11": ssim_uniform11(output, target).item(),
-        "mssim_thesis": mssim_thesis(output, target).item(),
+        "ssim_zero_pad11": ssim_zero_pad11(output, target).item(),
         "psnr_hdr_mu": psnr_hdr_mu(4 * output, 4 * target, 2.0).item(),
     }
-    metrics = (PSNR(), SSIM(), SSIMUniform11(), MSSIMThesis(), PSNRMu(2.0))
+    metrics = (PSNR(), SSIM(), SSIMUniform11(), SSIMZeroPad11(), PSNRMu(2.0))
     assert len(set(expected.values())) == len(expected)
     for metric, name in zip(metrics, expected):
         assert metric.names == (name,)
@@ -199,7 +212,7 @@ def test_radiance_metric_is_nan_without_radiance(pair):
 
 WARPING = ("warping_error", "warping_error_reference", "warping_error_ratio")
 REGIONS = set(Regions.names)
-SINGLE = {"psnr", "ssim", "ssim_uniform11", "mssim_thesis", "spatial", "temporal"}
+SINGLE = {"psnr", "ssim", "ssim_uniform11", "ssim_zero_pad11", "spatial", "temporal"}
 CLIPS = {*StaticDeviation.names, "strred", "srred", "trred", "vmaf"}
 PAPER = SINGLE | REGIONS | CLIPS | set(WARPING)
 FOLDER = Path(__file__).parents[2] / "conf" / "metrics"

@@ -1,11 +1,13 @@
 import math
 
+import numpy as np
 import pytest
 import torch
 
 from supersampling.errors import UserError
 from supersampling.frames import Frame
-from supersampling.models.tus import TUS
+from supersampling.models.tus import TUS, TUSThesis
+from supersampling.ops.resample import jitter_aligned_upsample
 from supersampling.stages.colour_space import RGB
 from supersampling.stages.dilate import ClosestDepth, NoDilation
 from supersampling.stages.pad import JitterAligned, Zeros
@@ -65,6 +67,57 @@ def test_static_image_accumulates_to_full_resolution():
 def test_dilation_adds_depth_to_required_buffers():
     assert tus().requires == {"color", "jitter", "motion"}
     assert tus(dilate=ClosestDepth()).requires == {"color", "jitter", "motion", "depth"}
+
+
+def thesis_of_loops(history, color, jitter, scale, alpha):
+    """2.4.4 and 2.4.6 with Yang's box, pixel by pixel: clamp to the nine samples around, then blend the pixel's own."""
+    h, w, _ = color.shape
+    output = np.empty_like(history)
+    for row, column in np.ndindex(h * scale, w * scale):
+        i, j = row // scale, column // scale
+        around = color[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2].reshape(-1, 3)
+        value = np.clip(history[row, column], around.min(axis=0), around.max(axis=0))
+        x, y = (j + 0.5 + jitter[0]) * scale, (i + 0.5 + jitter[1]) * scale  # of the sample, in target pixels
+        inside = column <= x < column + 1 and row <= y < row + 1
+        output[row, column] = alpha * color[i, j] + (1 - alpha) * value if inside else value
+    return output
+
+
+@pytest.mark.parametrize(("scale", "alpha"), [(2, 0.5), (4, 1.0), (3, 0.5), (6, 1.0)])
+def test_thesis_equals_loops(scale, alpha):
+    """Two frames of a still image: the thesis's alphas at its two scales, and the next smaller one's at others."""
+    rng = np.random.default_rng(scale)
+    model = TUSThesis(scale, None, Bilinear(), Clamp(RGB()), NoDilation(), JitterAligned())
+    history = rng.random((4 * scale, 5 * scale, 3))
+    state = torch.from_numpy(history).permute(2, 0, 1)[None]
+    for jitter in rng.uniform(-0.49, 0.49, (2, 2)):
+        color = rng.random((4, 5, 3))
+        frame = Frame(
+            color=torch.from_numpy(color).permute(2, 0, 1)[None],
+            motion=torch.zeros(1, 2, 4, 5, dtype=torch.float64),
+            jitter=torch.from_numpy(jitter)[None],
+        )
+        output, state = model(frame, state)
+        history = thesis_of_loops(history, color, jitter, scale, alpha)
+        np.testing.assert_allclose(output[0].permute(1, 2, 0).numpy(), history, atol=1e-12)
+
+
+def test_thesis_starts_from_the_aligned_input_and_its_samples():
+    """The first frame of DLCTUS, with the samples on top: at 4x4 each target pixel of the pattern is a sample."""
+    color = torch.rand(1, 3, 4, 4, generator=torch.Generator().manual_seed(0))
+    jitter = torch.tensor([[0.125, -0.375]])
+    model = TUSThesis(4, None, Bilinear(), NoRectification(), NoDilation(), Zeros())
+    output, _ = model(Frame(color=color, motion=torch.zeros(1, 2, 4, 4), jitter=jitter), None)
+    expected = jitter_aligned_upsample(color, jitter, 4)
+    torch.testing.assert_close(expected[..., 0::4, 2::4], color)  # the samples' own pixels
+    torch.testing.assert_close(output, expected)
+
+
+def test_thesis_alpha_can_be_set():
+    model = TUSThesis(4, 0.25, Bilinear(), NoRectification(), NoDilation(), Zeros())
+    assert model.alpha == 0.25
+    with pytest.raises(UserError, match="Invalid model.alpha=2"):
+        TUSThesis(4, 2.0, Bilinear(), NoRectification(), NoDilation(), Zeros())
 
 
 @pytest.mark.parametrize(("sigma", "alpha"), [(0.0, 0.5), (-1.0, 0.5), (0.8, 1.5), (0.8, -0.1)])

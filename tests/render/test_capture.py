@@ -1,5 +1,8 @@
 """Data set files of a small scene: interruptions do not change them, and their contents are consistent."""
 
+import json
+import shutil
+
 import numpy as np
 import pytest
 import torch
@@ -9,6 +12,7 @@ from supersampling.data.dataset_file import DatasetFile
 from supersampling.data.spec import CaptureSpec
 from supersampling.errors import UserError
 from supersampling.render import capture
+from supersampling.render.capture import DataFile
 from supersampling.render.check import check_spec
 from supersampling.render.jitter import thesis_4x4
 from supersampling.render.pool import render_files
@@ -104,6 +108,18 @@ def test_attributes_of_file(store):
     assert float(attributes["low_mip_bias"]) == -2.0
     jitters = {tuple(j) for j in store.read("jitter", 0, slice(None)).tolist()}
     assert jitters <= {tuple(j) for j in thesis_4x4().tolist()}
+
+
+def test_file_of_the_former_jitter_order_is_not_taken_for_a_new_one(store, tmp_path):
+    """A file that has today's content but says the former revision, under its former name, is left alone."""
+    values = json.loads(SPEC.to_json())
+    del values["jitter_revision"]
+    former = CaptureSpec.from_json(json.dumps(values))
+    old = tmp_path / former.file_name
+    shutil.copy(store.path, old)
+    file = DataFile(SPEC, tmp_path, USUAL)
+    assert file.path != old
+    assert file.missing() == USUAL
 
 
 def warped(previous: torch.Tensor, motion: torch.Tensor) -> torch.Tensor:

@@ -1,5 +1,6 @@
 """Data presets against the numbers in the papers, typed a second time."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.utils import instantiate
 
 from supersampling.render.check import check_spec
-from supersampling.render.jitter import jitter_sequence, mip_bias
+from supersampling.render.jitter import jitter_sequence, mip_bias, target_mip_bias
 from supersampling.render.source import Rendered
 from supersampling.render.styles import camera_style
 
@@ -62,6 +63,15 @@ def test_presets_have_numbers_of_papers(name):
         assert mip_bias(spec.mip_bias, spec.scale) == -2  # -log2(4)
         assert (spec.samples - 1) ** 2 < coverage <= spec.samples**2
         assert spec.candidates == 1  # no selection of camera paths
+
+
+@pytest.mark.parametrize(
+    ("name", "rendered"), [("dlctus", 1080), ("nsrr", 2700), ("nsrd", 2160), ("qrisp", 2160), ("laptop", 1080)]
+)
+def test_references_have_the_texture_level_of_the_resolution_they_are_rendered_at(name, rendered):
+    """NSRR 3.4, NSRD 4.1, QRISP section 3; the thesis's input matches the target's own (4.2.2)."""
+    spec = source("train", f"data={name}").specs("test")[0]
+    assert target_mip_bias(spec.mip_bias) == pytest.approx(-math.log2(rendered / spec.frame[1]))
 
 
 def test_qrisp_jitter_repeats_after_sixteen_frames():

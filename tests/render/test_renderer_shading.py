@@ -25,6 +25,7 @@ from analytic_scenes import (
 )
 
 from supersampling.render.camera import Camera
+from supersampling.render.jitter import target_mip_bias
 from supersampling.render.renderer import Renderer
 from supersampling.scenes.scene import Material, Mesh, PointLight, Scene, Sky, Sun
 
@@ -140,6 +141,20 @@ def test_a_negative_mip_bias_sharpens_and_matches_the_full_resolution() -> None:
     assert spread[2] == pytest.approx(full, rel=0.05)
     assert target == pytest.approx(full, rel=1e-3)
     assert np.abs(fine - mean).mean() < 2e-3
+
+
+def test_a_supersampled_target_is_the_box_filtered_image_of_the_finer_resolution() -> None:
+    """NSRD 4.1: rendered at twice the resolution without a bias, then a 2x2 box filter."""
+    view = camera(fov=0.8)
+    with Renderer(_checker(), 64) as draw:
+        fine = draw.low(still(view, whole(512, 512)), 1, (0.0, 0.0), 0.0, frozenset({"color"}))["color"]
+        expected = fine.reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
+        finer, own = (
+            draw.target(still(view, whole(256, 256)), 2, target_mip_bias(setting))
+            for setting in ("supersampled2", "matched")
+        )
+    assert np.abs(finer - expected).mean() < 2e-3
+    assert np.abs(own - expected).mean() > 1e-2
 
 
 def _finite(world: Scene, view: Camera) -> None:

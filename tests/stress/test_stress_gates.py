@@ -20,6 +20,7 @@ ROWS = {
     "nsrr_fast": ["reweight/0", "reweight/limit"],
     "nsrr_fast model/reweight=none": [],
     "tus": ["gate/alpha 0", "gate/alpha 1", "gate/sigma 1e-3", "gate/sigma 1e3"],
+    "tus_thesis": ["gate/alpha 0", "gate/alpha 1"],
 }
 
 

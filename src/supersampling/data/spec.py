@@ -2,11 +2,15 @@
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 SCHEMA_VERSION = 3
 SPLITS = ("train", "val", "test")
+
+# Jitter patterns whose positions have changed since they were first rendered, by name and scale. A file of a former
+# revision has another name and fingerprint, so that it is never taken for a file of today's.
+JITTER_REVISIONS = {("thesis", 4): 1, ("thesis", 2): 1}  # 0: our own order; 1: that of the thesis's program
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +22,7 @@ class CaptureSpec:
     a clip have the high-resolution buffers, of ``samples x samples`` samples per pixel. ``jitter``, ``mip_bias`` and
     ``camera`` are named settings (`supersampling.render.jitter`, `supersampling.render.paths`), ``recorded`` for an
     imported capture; ``candidates`` seeded takes are proposed for each clip. ``origin`` identifies imported captures
-    and is empty for renders.
+    and is empty for renders. ``jitter_revision`` is that of `JITTER_REVISIONS`, or of the file that it was read from.
     """
 
     scene: str
@@ -36,6 +40,10 @@ class CaptureSpec:
     candidates: int
     camera: str = "walk"
     origin: str = ""
+    jitter_revision: int = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "jitter_revision", JITTER_REVISIONS.get((self.jitter, self.scale), 0))
 
     @property
     def target_size(self) -> tuple[int, int]:
@@ -44,7 +52,10 @@ class CaptureSpec:
         return width // self.scale * self.scale, height // self.scale * self.scale
 
     def to_json(self) -> str:
-        return json.dumps({"schema": SCHEMA_VERSION, **asdict(self)}, sort_keys=True)
+        values = {"schema": SCHEMA_VERSION, **asdict(self)}
+        if self.jitter_revision == 0:  # files from before there were revisions keep their names
+            del values["jitter_revision"]
+        return json.dumps(values, sort_keys=True)
 
     @classmethod
     def from_json(cls, text: str) -> "CaptureSpec":
@@ -57,17 +68,19 @@ class CaptureSpec:
         schema = values.pop("schema", None) if isinstance(values, dict) else None
         if schema != SCHEMA_VERSION:
             raise ValueError(f"schema {schema} instead of {SCHEMA_VERSION}")
-        kinds = {field.name: field.type for field in fields(cls)}
+        kinds = {item.name: item.type for item in fields(cls)}
         invalid = sorted(key for key, value in values.items() if not _fits(kinds.get(key), value))
         if invalid:
             raise ValueError(f"{invalid[0]}={values[invalid[0]]}")
         try:
             arguments: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+            revision = arguments.pop("jitter_revision", 0)
             spec = cls(**arguments)
         except TypeError as error:
             raise ValueError("a missing field") from error
         if not (spec.clips >= 1 and 1 <= spec.targets <= spec.frames and 1 <= spec.scale <= min(spec.window)):
             raise ValueError("impossible sizes")
+        object.__setattr__(spec, "jitter_revision", revision)
         return spec
 
     @property

@@ -23,6 +23,9 @@ class SpatioTemporal(Loss):
     ``x`` is the frame's error, ``y`` the previous frame's error, warped to this frame. ``theta = 0`` is spatial only,
     and twice as large as L1; as ``theta`` approaches 1, only changes of the error count, and at 1 nothing ties the
     output to the target.
+
+    Each of the counted frames has a previous one: 5 pairs for 5 counted frames, where the thesis has 5 targets, so 4
+    pairs. Its program warps zeros in from outside the image; here the border is repeated, as in the metrics.
     """
 
     requires = frozenset({"motion"})

@@ -7,6 +7,7 @@ All take ``output`` and ``target (B, 3, H, W)`` in [0, 1] and return ``(B,)``. T
 import math
 
 import torch
+import torch.nn.functional as F
 from torch import Tensor
 
 from supersampling.errors import UserError
@@ -17,6 +18,7 @@ PSNR_CAP = 100.0
 
 WINDOW = 11
 SIGMA = 1.5
+C1, C2 = 0.01**2, 0.03**2
 STRIP = 128  # rows
 
 
@@ -32,7 +34,7 @@ def ssim_gauss11(output: Tensor, target: Tensor) -> Tensor:
     It equals ``skimage.metrics.structural_similarity`` with ``gaussian_weights=True, sigma=1.5,
     use_sample_covariance=False, data_range=1, channel_axis=...``. Raises `UserError` for images smaller than 11x11.
     """
-    return _ssim(output, target, 0.01**2, 0.03**2)
+    return _ssim(output, target)
 
 
 def ssim_uniform11(output: Tensor, target: Tensor) -> Tensor:
@@ -42,19 +44,22 @@ def ssim_uniform11(output: Tensor, target: Tensor) -> Tensor:
     uniform window of 11 and the sample covariance (``n / (n - 1)``). NSRD's code truncates images to 8 bits, whereas
     `supersampling.metrics.prepare.EightBit` rounds. Raises `UserError` for images smaller than 11x11.
     """
-    return _ssim(output, target, 0.01**2, 0.03**2, sigma=math.inf, unbiased=WINDOW**2 / (WINDOW**2 - 1))
+    return _ssim(output, target, sigma=math.inf, unbiased=WINDOW**2 / (WINDOW**2 - 1))
 
 
-def mssim_thesis(output: Tensor, target: Tensor) -> Tensor:
-    """Return MSSIM with the constants of Swensen 2021, 4.3.5: ``C1 = 0.01^2``, ``C2 = 0.02^2``, ``C3 = C2 / 2``.
+def ssim_zero_pad11(output: Tensor, target: Tensor) -> Tensor:
+    """Return SSIM as the published program of Swensen 2021 computes it: mean over RGB and over a window at each pixel.
 
-    ``C3 = C2 / 2`` merges contrast and structure, so that only ``C2`` differs from `ssim_gauss11`. The thesis states a
-    window of 11; that it is Gaussian with sigma 1.5, on RGB and whole windows only, is assumed here.
+    As `ssim_gauss11`, but images are zero outside, so that windows at the border count, and an image may be smaller
+    than a window. Section 4.3.5 states a window of 11 and ``C3 = C2 / 2``, which merges contrast and structure; its
+    ``C2 = 0.02^2`` is a misprint: the program (``_ssim`` of Network/metrics.py) has ``0.03^2`` in all its versions, and
+    its result files average to the numbers of tables 2 and 16.
     """
-    return _ssim(output, target, 0.01**2, 0.02**2)
+    margin = (WINDOW // 2,) * 4
+    return _ssim(F.pad(output, margin), F.pad(target, margin))
 
 
-def _ssim(output: Tensor, target: Tensor, c1: float, c2: float, sigma: float = SIGMA, unbiased: float = 1.0) -> Tensor:
+def _ssim(output: Tensor, target: Tensor, sigma: float = SIGMA, unbiased: float = 1.0) -> Tensor:
     """Return SSIM ``(B,)``; ``sigma`` is infinite for a uniform window, ``unbiased`` multiplies the (co)variances."""
     height, width = output.shape[-2:]
     if min(height, width) < WINDOW:
@@ -64,12 +69,12 @@ def _ssim(output: Tensor, target: Tensor, c1: float, c2: float, sigma: float = S
     for x, y in zip(output.split(1, dim=1), target.split(1, dim=1)):
         for first in range(0, rows, STRIP):
             strip = slice(first, min(first + STRIP, rows) + WINDOW - 1)
-            values = _ssim_map(x[:, 0, strip], y[:, 0, strip], c1, c2, sigma, unbiased)
+            values = _ssim_map(x[:, 0, strip], y[:, 0, strip], sigma, unbiased)
             total += values.sum(dim=(1, 2), dtype=torch.float64)
     return (total / (output.shape[1] * rows * (width - WINDOW + 1))).to(output.dtype)
 
 
-def _ssim_map(x: Tensor, y: Tensor, c1: float, c2: float, sigma: float, unbiased: float) -> Tensor:
+def _ssim_map(x: Tensor, y: Tensor, sigma: float, unbiased: float) -> Tensor:
     """Return the SSIM of every whole window of images ``(B, H, W)``."""
     # A shift does not change variances, and squares of values around 0 lose fewer bits.
     x, y = x - 0.5, y - 0.5
@@ -79,6 +84,6 @@ def _ssim_map(x: Tensor, y: Tensor, c1: float, c2: float, sigma: float, unbiased
     variances = square.sub_((mean_x * mean_x).addcmul_(mean_y, mean_y)).mul_(unbiased)
     covariance = product.sub_(mean_x * mean_y).mul_(unbiased)
     mean_x, mean_y = mean_x.add_(0.5), mean_y.add_(0.5)
-    luminance = (mean_x * mean_y).mul_(2.0).add_(c1)
-    luminance /= mean_x.square_().addcmul_(mean_y, mean_y).add_(c1)
-    return luminance.mul_(covariance.mul_(2.0).add_(c2)).div_(variances.add_(c2))
+    luminance = (mean_x * mean_y).mul_(2.0).add_(C1)
+    luminance /= mean_x.square_().addcmul_(mean_y, mean_y).add_(C1)
+    return luminance.mul_(covariance.mul_(2.0).add_(C2)).div_(variances.add_(C2))

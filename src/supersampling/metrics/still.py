@@ -3,7 +3,7 @@
 from typing import final
 
 from supersampling.metrics.base import FrameMetric, Moment
-from supersampling.metrics.image import mssim_thesis, psnr, ssim_gauss11, ssim_uniform11
+from supersampling.metrics.image import psnr, ssim_gauss11, ssim_uniform11, ssim_zero_pad11
 
 
 @final
@@ -37,10 +37,10 @@ class SSIMUniform11(FrameMetric):
 
 
 @final
-class MSSIMThesis(FrameMetric):
-    """``mssim_thesis``: SSIM with the constants of Swensen 2021."""
+class SSIMZeroPad11(FrameMetric):
+    """``ssim_zero_pad11``: as `SSIM`, with zeros outside the image, as in the program of Swensen 2021."""
 
-    better = {"mssim_thesis": "higher"}
+    better = {"ssim_zero_pad11": "higher"}
 
     def measure(self, moment: Moment) -> list[float]:
-        return [mssim_thesis(moment.output, moment.target).item()]
+        return [ssim_zero_pad11(moment.output, moment.target).item()]

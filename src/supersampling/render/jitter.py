@@ -5,14 +5,15 @@ from numpy.typing import NDArray
 
 from supersampling.errors import UserError
 
-# DLCTUS section 4.2.2 and figure 6. The text gives the positions (every high-resolution pixel's centre, none next to
-# its predecessor); the figure with the order is not readable, so this order is our own: no two consecutive positions
-# touch, not even at corners, across the pattern's repetition or across its tiling over the image.
-# Cells of the 4x4 grid are numbered row by row.
-_ORDER_4X4 = (0, 10, 2, 8, 1, 11, 3, 9, 15, 5, 13, 7, 14, 4, 12, 6)
+# DLCTUS section 4.2.2 gives the positions, and figure 6, which is not readable, their order. The orders are therefore
+# those of its author's program (`Jitter::Custom` of Rendering/aa/taa/jitter.h). Pixels are (column, row) of the high
+# resolution within a low-resolution pixel.
+_ORDER_4X4 = "21 02 23 00 12 33 10 31 03 20 01 22 30 11 32 13"
 
-# "The HR-pixels are iterated over in a hourglass pattern": top edge, diagonal, bottom edge, diagonal. (row, column)
-_HOURGLASS = ((0, 0), (0, 1), (1, 0), (1, 1))
+# "The HR-pixels are iterated over in a hourglass pattern": diagonal, edge, diagonal, edge.
+_HOURGLASS = ((0, 0), (1, 1), (0, 1), (1, 0))
+# The four elements of Halton(2,3), starting with another one in each turn, so that each pixel gets all of them.
+_ELEMENTS = (2, 3, 4, 5)
 
 
 def van_der_corput(n: int, base: int) -> float:
@@ -33,8 +34,8 @@ def halton(length: int) -> NDArray[np.float32]:
 
 def thesis_4x4() -> NDArray[np.float32]:
     """Return the centres of the 16 high-resolution pixels: ``(16, 2)`` (DLCTUS 4.2.2)."""
-    cells = (divmod(cell, 4) for cell in _ORDER_4X4)
-    return np.array([((j + 0.5) / 4 - 0.5, (i + 0.5) / 4 - 0.5) for i, j in cells], dtype=np.float32)
+    pixels = ((int(pixel[0]), int(pixel[1])) for pixel in _ORDER_4X4.split())
+    return np.array([((x + 0.5) / 4 - 0.5, (y + 0.5) / 4 - 0.5) for x, y in pixels], dtype=np.float32)
 
 
 def thesis_2x2() -> NDArray[np.float32]:
@@ -43,9 +44,9 @@ def thesis_2x2() -> NDArray[np.float32]:
     Source: DLCTUS 4.2.2.
     """
     points = [
-        ((j + van_der_corput(n, 2)) / 2 - 0.5, (i + van_der_corput(n, 3)) / 2 - 0.5)
-        for n in (2, 3, 4, 5)
-        for i, j in _HOURGLASS
+        ((x + van_der_corput(n, 2)) / 2 - 0.5, (y + van_der_corput(n, 3)) / 2 - 0.5)
+        for turn in range(4)
+        for (x, y), n in zip(_HOURGLASS, _ELEMENTS[turn:] + _ELEMENTS[:turn])
     ]
     return np.array(points, dtype=np.float32)
 
@@ -71,19 +72,40 @@ def jitter_sequence(pattern: str, scale: int) -> NDArray[np.float32]:
 
 
 def mip_bias(setting: str, scale: int) -> float:
-    """Return the low-resolution mip bias that matches the target (DLCTUS equation 47).
+    """Return the mip bias of the low resolution, relative to its own pixels (DLCTUS equation 47).
 
     ``matched`` (the thesis's data set 1) matches one sample per target pixel, ``sharp`` (data set 2) matches four.
+    ``supersampledN`` is as ``matched``; only its target differs.
 
     Raises:
         UserError: The setting is unknown.
     """
-    return -float(np.log2(scale)) + target_mip_bias(setting)
+    return -float(np.log2(scale)) + _biases(setting)[0]
 
 
 def target_mip_bias(setting: str) -> float:
-    """Return the target's own mip bias relative to its pixels: ``-log2(spp) / 2`` of DLCTUS equation 47."""
-    matched_samples = {"matched": 1, "sharp": 4}
-    if setting not in matched_samples:
-        raise UserError(f"Invalid task.mip_bias={setting}: use matched (1 sample) or sharp (4 samples).")
-    return -0.5 * float(np.log2(matched_samples[setting]))
+    """Return the target's own mip bias, relative to its pixels.
+
+    It is ``-log2(spp) / 2`` of DLCTUS equation 47, and ``-log2(N)`` for ``supersampledN``: references are rendered at N
+    times the resolution on each axis, without bias, before they are averaged (NSRR 3.4: 3; NSRD 4.1 and QRISP, Mercier
+    et al. 2023, section 3: 2).
+
+    Raises:
+        UserError: The setting is unknown.
+    """
+    return _biases(setting)[1]
+
+
+def _biases(setting: str) -> tuple[float, float]:
+    """Return the levels of the low resolution and of the target, relative to one sample per target pixel."""
+    if setting == "matched":
+        return 0.0, 0.0
+    if setting == "sharp":
+        return -1.0, -1.0
+    factor = setting.removeprefix("supersampled")
+    if factor != setting and factor.isdigit() and int(factor) > 0:
+        return 0.0, -float(np.log2(int(factor)))
+    raise UserError(
+        f"Invalid task.mip_bias={setting}: use matched (1 sample), sharp (4 samples) or supersampled2 (or another "
+        "factor on each axis)."
+    )

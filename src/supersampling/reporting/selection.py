@@ -33,7 +33,7 @@ def matches(run: Run, selection: Selection) -> bool:
     Numbers compare as numbers. A plain name is what was scored, ``trained.<name>`` what was trained. An evaluation
     matches only a selection that asks for evaluations.
     """
-    if run.kind != "job" and not asks_for_evaluations(selection):
+    if run.kind == "evaluation" and not asks_for_evaluations(selection):
         return False
     return all(any(_has(run, name, v) for v in value.split("|")) for name, value in selection.items())
 

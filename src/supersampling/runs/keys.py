@@ -74,7 +74,7 @@ KEYS: dict[str, Key] = {
     **dict.fromkeys(("render_costs", "out", "among"), _COMMAND),
     # benchmark, count, pick
     **dict.fromkeys(("methods", "run", "scales", "sizes", "precisions", "rounds", "seconds", "depth"), _COMMAND),
-    **dict.fromkeys(("device", "cost", "backends", "ms", "db", "low_ms", "high_ms", "dataset"), _COMMAND),
+    **dict.fromkeys(("device", "cost", "rendering", "backends", "ms", "db", "low_ms", "high_ms", "dataset"), _COMMAND),
     # evaluate, export, stress
     **dict.fromkeys(("checkpoint", "capture", "name", "space", "kernels", "check", "tolerance"), _COMMAND),
     **dict.fromkeys(("models", "extremes", "effort", "quick", "all"), _COMMAND),

@@ -23,7 +23,11 @@ def declared_gates() -> Iterator[Gate]:
 def hold(model: Upsampler, name: str) -> bool:
     """Bring a model to the extreme called ``name``, in place; return whether the model or one of its stages has it."""
     matches = [
-        (gate, part) for part in model.modules() for gate in getattr(type(part), "extremes", ()) if gate.name == name
+        (gate, part)
+        for part in model.modules()
+        for base in type(part).__mro__  # a class declares its own gates only
+        for gate in vars(base).get("extremes", ())
+        if gate.name == name
     ]
     holds = [gate.hold(part) for gate, part in matches]
     return any(holds)
