@@ -73,10 +73,9 @@ def _label(name: str, paper: Paper) -> str:
 
 
 def draw(runs: FigureRuns, scores: Scores, labels: Sequence[str], path: Path) -> list[str]:
-    """Write the figure as PDF, with a panel for each metric that runs logged; return these metrics, and write nothing if
-    there are none.
+    """Write the figure as PDF, with a panel for each metric that runs logged, and return these metrics.
 
-    ``labels`` name the metrics.
+    Without any nothing is written. ``labels`` name the metrics.
     """
     kinds: dict[str, Callable[[Axes, str], int]] = {
         "box": lambda ax, metric: _boxes(ax, _box_values(runs, metric, scores)),
