@@ -36,7 +36,7 @@ HEIGHT = 2.7  # of a panel, in inches
 
 @dataclass(frozen=True)
 class Scores:
-    """What figures are drawn from: the tables of clips and frames by run id, and what a run logged by step."""
+    """The material of figures: the tables of clips and frames by run id, and what a run logged by step."""
 
     clips: ClipTables
     frames: ClipTables
