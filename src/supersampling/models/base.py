@@ -34,6 +34,12 @@ class Upsampler(nn.Module, ABC, Generic[State]):
     extremes: tuple[Gate, ...] = ()
     over_time: frozenset[str] = frozenset()
 
+    @property
+    def reads_jitter(self) -> bool:
+        """Whether the model knows where in its pixel a sample was taken; samples of other places misalign one that
+        does not."""
+        return "jitter" in self.requires
+
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         """Return what outputs are compared with in training, ``(B, T, 3, H, W)``, from ``compares`` buffers."""
         return clip["target"]

@@ -49,6 +49,7 @@ KEYS: dict[str, Key] = {
     "model": Key(Effect.WEIGHTS, compared="model."),
     "task": Key(Effect.WEIGHTS, compared="task."),
     "tune": Key(Effect.WEIGHTS, shown=False),
+    "recipe": Key(Effect.WEIGHTS, shown=False),  # a group without a node: it selects task, loss and pick
     "loss": Key(Effect.WEIGHTS, learned=True, compared="loss"),
     "pick": Key(Effect.WEIGHTS, learned=True, compared="pick"),
     "augment": Key(Effect.WEIGHTS, learned=True, compared="augment"),
