@@ -92,7 +92,8 @@ def pictures():
         for picture in paper.pictures:
             for label, selection in picture.selections.items():
                 sweep = ELSEWHERE.get((name, label), picture.sweep)
-                yield pytest.param(sweep, selection, id=f"{name} {picture.number} {label}")
+                if sweep is not None:
+                    yield pytest.param(sweep, selection, id=f"{name} {picture.number} {label}")
 
 
 @pytest.mark.parametrize(("file", "selection"), pictures())

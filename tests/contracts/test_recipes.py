@@ -15,7 +15,7 @@ ST = ("spatiotemporal", "default", "edges")
 # Loss, task and window choice: DLCTUS 4.3.4 and 4.2.2; NSRR 3.3, 3.4 and figure 3; NSRD 3.4 and 4.1; ENSS 3 and 5.
 # Edges are this project's own, for the budgets of minutes.
 RECIPES = {
-    **dict.fromkeys(("nearest", "bicubic", "jau", "tus", "dlctus"), ST),
+    **dict.fromkeys(("nearest", "bilinear", "bicubic", "jau", "jau_bicubic", "tus", "dlctus"), ST),
     **dict.fromkeys(("nsrr", "nsrr_fast"), ("nsrr", "nsrr", "uniform")),
     "nsrd": ("nsrd", "nsrd", "edges"),
     **dict.fromkeys(("enss_s", "enss_m", "enss_l"), ("l1", "qrisp", "edges")),
@@ -187,7 +187,7 @@ def test_the_page_has_the_recipes():
             chosen, cfg = choices(f"model={model}")
             assert (task, jitter) == (chosen[1], cfg.task.jitter)
             assert (loss, pick) in ((chosen[0], chosen[2]), ("", ""))
-            assert bool(loss) == (model not in ("nearest", "bicubic", "jau", "tus"))
+            assert bool(loss) == (model not in ("nearest", "bilinear", "bicubic", "jau", "jau_bicubic", "tus"))
 
 
 def test_help_prints_the_recipes(command):

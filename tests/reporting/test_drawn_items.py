@@ -21,6 +21,8 @@ from supersampling.reporting.papers.published import load_papers, name_of
 from supersampling.reporting.papers.schema import Paper, Picture, PublishedFigure, Selection
 from supersampling.reporting.selection import matches
 from supersampling.reporting.settings import choose
+from supersampling.runs.relation import SCENES as RELATION
+from supersampling.runs.relation import TRAINED
 from supersampling.runs.store import FinishedRuns, Run
 
 PAPERS = {paper.paper: paper for paper in load_papers(Path(__file__).parents[2] / "reports" / "published", None)}
@@ -39,16 +41,29 @@ def selections(item: Picture | PublishedFigure) -> dict[str, Selection]:
 
 
 def run_of(selection: Selection) -> Run:
-    """A run with the first of each selected value; runs of one task share a data set."""
+    """A run with the first of each selected value; runs of one task and its scenes share a data set.
+
+    It is an evaluation if what is scored is not what was trained.
+    """
     params = {name: value.split("|")[0] for name, value in selection.items()}
     params = {"task.scale": "4", "task.mip_bias": "matched", **params}
     if params["model"] not in UNTRAINED:
         params |= {"budget": "laptop", "seed": "0"}
+    trained = {name: value for name, value in params.items() if name.startswith(TRAINED)}
+    same = {name for name, value in trained.items() if params[name.removeprefix(TRAINED)] == value}
+    params = {name: value for name, value in params.items() if name not in same}
+    evaluation = len(same) < len(trained) or RELATION in params
+    if evaluation:
+        params = {RELATION: "same", **params}
+    if params.get(RELATION) == "unseen":
+        params["trained.data.scenes"] = "arena"
     name = " ".join(f"{key}={value}" for key, value in sorted(params.items()))
-    dataset = " ".join(value for key, value in sorted(params.items()) if key.startswith("task."))
+    tested = [value for key, value in sorted(params.items()) if key.startswith(("task.", "data."))]
+    dataset = " ".join(tested)
     metrics = {"test/psnr": 30.0, "model/parameters": 1000.0, "train/minutes": 3.0}
     run = example_run(name, dataset=dataset, metrics=metrics)
-    return Run(**{**vars(run), "params": {**run.params, **params}})
+    kind = "evaluation" if evaluation else "job"
+    return Run(**{**vars(run), "params": {**run.params, **params}, "kind": kind})
 
 
 def runs_of(paper: Paper) -> list[Run]:

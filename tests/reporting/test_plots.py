@@ -120,7 +120,8 @@ def test_a_panel_for_each_metric_and_none_for_one_that_no_run_logged(tmp_path: P
     series = [Series("DLCTUS", {"model": "dlctus"})]
     drawn = replace(figure("training", series=series, metric="val/psnr"), more=["train/loss", "val/ssim"])
     result = choose_example(drawn)
-    assert published.draw(result, SCORES, ["PSNR", "loss", "SSIM"], tmp_path / "a.pdf")
+    drawn_metrics = published.draw(result, SCORES, ["PSNR", "loss", "SSIM"], tmp_path / "a.pdf")
+    assert drawn_metrics == ["val/psnr", "train/loss"]
     text = PdfReader(tmp_path / "a.pdf").pages[0].extract_text()
     assert "PSNR" in text
     assert "loss" in text

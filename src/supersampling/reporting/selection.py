@@ -100,20 +100,22 @@ def _across_tasks(pools: Pools) -> Pools:
         task = tuple(sorted(item for item in runs[0].params.items() if item[0].startswith("task.")))
         groups[setting.data, setting.scenes, setting.trained].setdefault(task, setting)
     return {
-        _joined(list(members.values())): [run for setting in members.values() for run in pools[setting]]
+        joined(list(members.values())): [run for setting in members.values() for run in pools[setting]]
         for members in groups.values()
     }
 
 
-def _joined(settings: Sequence[Setting]) -> Setting:
-    def joined(values: Iterable[str]) -> str:
+def joined(settings: Sequence[Setting]) -> Setting:
+    """Return several settings as one that names the data sets, scales and mip biases of all."""
+
+    def listed(values: Iterable[str]) -> str:
         return ", ".join(dict.fromkeys(values))
 
     return replace(
         settings[0],
-        dataset=joined(s.dataset for s in settings),
-        scale=joined(sorted(s.scale for s in settings)),
-        mip_bias=joined(s.mip_bias for s in settings),
+        dataset=listed(s.dataset for s in settings),
+        scale=listed(sorted(s.scale for s in settings)),
+        mip_bias=listed(s.mip_bias for s in settings),
         # All are of one budget, or untrained.
         budget=max(s.budget for s in settings),
     )

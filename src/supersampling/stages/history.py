@@ -60,7 +60,7 @@ class Blended(History):
     def images(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> dict[str, Tensor]:
         """Return the reprojected output, the candidate, and the mask: 1 where the candidate replaces the history."""
         assert previous is not None
-        return {"reprojected": previous[:, :3], "candidate": candidate, "mask": extra[:, :1].sigmoid()}
+        return {"reprojected": previous[:, :3].clamp(0.0, 1.0), "candidate": candidate, "mask": extra[:, :1].sigmoid()}
 
 
 @final
@@ -78,7 +78,7 @@ class Unblended(History):
 
     def images(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> dict[str, Tensor]:
         assert previous is not None
-        return {"reprojected": previous[:, :3]}
+        return {"reprojected": previous[:, :3].clamp(0.0, 1.0)}
 
 
 @final

@@ -30,9 +30,8 @@ def state_gallery(kind: str, states: Folders, crops: Folders, out: Path, prefix:
     for number, scene in positions([crops[label] for label in labels]):
         columns: list[tuple[str, Path]] = []
         for label in labels:
-            columns += _columns(
-                kind, label if len(labels) > 1 else "", states[label], crops[label], f"{number}_{scene}"
-            )
+            stem = f"{number}_{scene}"
+            columns += _columns(kind, label, len(labels) > 1, states[label], crops[label], stem)
         present = all(path.is_file() for _, path in columns)
         if columns and present and len(rows) < SCENES:
             heads = heads or [head for head, _ in columns]
@@ -40,13 +39,13 @@ def state_gallery(kind: str, states: Folders, crops: Folders, out: Path, prefix:
     return Gallery(heads, rows, [])
 
 
-def _columns(kind: str, label: str, state: Path, crops: Path, stem: str) -> list[tuple[str, Path]]:
+def _columns(kind: str, label: str, several: bool, state: Path, crops: Path, stem: str) -> list[tuple[str, Path]]:
     """Return heads and files of one run's pictures; none if it has no picture of the kind."""
     paths = [path for name in NAMES[kind] for path in sorted(state.glob(f"{stem}_{name}.png"))]
     if not paths:
         return []
     names = [path.stem.removeprefix(f"{stem}_").replace("_", " ") for path in paths]
-    heads = [label if label and len(names) == 1 else f"{label} {name}".strip() for name in names]
+    heads = [label] if len(names) == 1 else [f"{label} {name}" if several else name for name in names]
     columns = list(zip(heads, paths))
     if kind in WITH_ENDS:
         columns = [("input", crops / f"{stem}_input.png"), *columns, ("output", crops / f"{stem}.png")]

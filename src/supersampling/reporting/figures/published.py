@@ -36,7 +36,7 @@ HEIGHT = 2.7  # of a panel, in inches
 
 @dataclass(frozen=True)
 class Scores:
-    """What figures are drawn from: the tables of clips and frames by run id, and what a run logged by step."""
+    """The material of figures: the tables of clips and frames by run id, and what a run logged by step."""
 
     clips: ClipTables
     frames: ClipTables
@@ -62,8 +62,8 @@ def _figure(runs: FigureRuns, paper: Paper, report: Report) -> parts.Figure:
         notes.append(f"Ours: {runs.setting}.")
     if runs.missing:
         notes.append(f"Not run: {', '.join(runs.missing)}" + (f" (sweeps={figure.sweep})." if figure.sweep else "."))
-    elif not drawn:
-        notes.append(f"Not drawn: the runs did not log {', '.join(figure.metrics)}.")
+    if runs.runs and (absent := [metric for metric in figure.metrics if metric not in drawn]):
+        notes.append(f"Not drawn: the runs did not log {', '.join(absent)}.")
     return parts.Figure(path.name if drawn else "", " ".join(note for note in notes if note))
 
 
@@ -72,10 +72,10 @@ def _label(name: str, paper: Paper) -> str:
     return metric_label(metric) if metric else METRICS.get(name, name)
 
 
-def draw(runs: FigureRuns, scores: Scores, labels: Sequence[str], path: Path) -> bool:
-    """Write the figure as PDF, with a panel for each metric; return False if there is nothing to draw.
+def draw(runs: FigureRuns, scores: Scores, labels: Sequence[str], path: Path) -> list[str]:
+    """Write the figure as PDF, with a panel for each metric that runs logged, and return these metrics.
 
-    ``labels`` name the metrics.
+    Without any nothing is written. ``labels`` name the metrics.
     """
     kinds: dict[str, Callable[[Axes, str], int]] = {
         "box": lambda ax, metric: _boxes(ax, _box_values(runs, metric, scores)),
@@ -98,12 +98,12 @@ def draw(runs: FigureRuns, scores: Scores, labels: Sequence[str], path: Path) ->
             if not count:
                 ax.remove()
         if not any(drawn):
-            return False
+            return []
         handles, names = next(ax for ax, count in zip(axes, drawn) if count).get_legend_handles_labels()
         if runs.figure.kind in ("curve", "training") and len(runs.points) > 1:
             figure.legend(handles, names, loc="outside upper center", ncols=4)
         save(figure, path)
-    return True
+    return [metric for metric, count in zip(metrics, drawn) if count]
 
 
 def _series(runs: FigureRuns) -> dict[str, list[Run]]:

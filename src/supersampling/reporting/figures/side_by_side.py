@@ -41,7 +41,7 @@ class Scene:
 
     @property
     def spread(self) -> float:
-        """How far the runs' images differ from each other; of a single run, from its target."""
+        """The mean absolute difference of the runs' images from their mean; of a single run, from its target."""
         images, reference = contrast(self.shots)
         return float(np.mean([np.abs(image - reference).mean() for image in images]))
 
@@ -98,8 +98,8 @@ def _same_files(paths: Sequence[Path]) -> bool:
 
 def most_different(scenes: Sequence[Scene]) -> list[Scene]:
     """Return the scenes whose images differ most, in their own order."""
-    kept = sorted(scenes, key=lambda scene: -scene.spread)[:SCENES]
-    return [scene for scene in scenes if scene in kept]
+    ranked = sorted(scenes, key=lambda scene: -scene.spread)[:SCENES]
+    return [scene for scene in scenes if scene in ranked]
 
 
 def crop_row(scene: Scene, out: Path, prefix: str, with_errors: bool) -> GalleryRow:
@@ -131,8 +131,8 @@ def _detail(shot: Shot, scene: Scene) -> tuple[int, int, int]:
     if scene.equal_sizes:
         x, y = worst_window(*contrast(scene.shots), side, side)
     else:
-        own = [other.image for other in scene.shots if other.target is shot.target and not other.is_target]
-        x, y = worst_window(own, shot.target, side, side)
+        outputs = [s.image for s in scene.shots if s.target is shot.target and not s.is_target]
+        x, y = worst_window(outputs, shot.target, side, side)
     return x, y, side
 
 

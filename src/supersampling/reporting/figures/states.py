@@ -10,6 +10,7 @@ from supersampling.reporting.pages.report import Report
 from supersampling.reporting.pages.section import Gallery, GalleryRow, Picture, Section
 from supersampling.reporting.pages.sheet import Text
 
+FULL_WIDTH = 7  # pictures
 CAPTION = ", after a clip’s last frame, below the target’s crop. White is 1, black 0; of weights white is the largest."
 
 
@@ -50,5 +51,6 @@ def state_galleries(
             lines.append(line)
         order = " (from top to bottom)" if len(names) > 1 else ""
         title = f"{label}: {', '.join(names).replace('_', ' ')}"
-        galleries.append(Gallery([], [GalleryRow("", lines)], [Text(title, "bold"), Text(order + CAPTION)]))
+        share = min(1.0, len(present) / FULL_WIDTH)
+        galleries.append(Gallery([], [GalleryRow("", lines)], [Text(title, "bold"), Text(order + CAPTION)], share))
     return galleries
