@@ -232,7 +232,7 @@ def test_command_with_rendering_and_what_reports_read_of_it(tmp_path):
     full = items["none", "eager"]
     assert full.run.params["size"] == "32x32"
     assert full.value("ms", "render + whole") == full.value("ms", "render") > 0
-    assert "rendering by" in full.where
+    assert "OpenGL" in full.renderer
 
 
 def test_unknown_backend(tmp_path):

@@ -55,9 +55,9 @@ class Measurement:
     def where(self) -> str:
         """``float32, cpu, 2 threads; Linux x86_64 ...``."""
         names = [self.run.params[name] for name in ("precision", "device")]
-        threads = [f"{self.run.params['threads']} threads"] if self.run.params["device"] == "cpu" else []
-        rendered = f"; rendering by {self.renderer}" if self.renderer else ""
-        return f"{', '.join([*names, *threads])}; {self.benchmark.machine}{rendered}"
+        count = self.run.params["threads"]
+        threads = [f"{count} thread{'s' * (count != '1')}"] if self.run.params["device"] == "cpu" else []
+        return f"{', '.join([*names, *threads])}; {self.benchmark.machine}"
 
 
 def _sum(text: str, numbers: Mapping[str, float]) -> float | None:

@@ -14,6 +14,7 @@ from supersampling.reporting.selection import choose_runs
 from supersampling.runs.measurements import Measurement
 
 PART, SIZE, BACKEND, PRECISION = "part", "size", "backend", "precision"
+RENDER = "render"  # in the names of the renderer's parts
 EXACT = "float32"
 Key = TypeVar("Key", bound=Hashable)
 TableTimes = Mapping[tuple[int, int, str], "Measured"]
@@ -21,13 +22,14 @@ TableTimes = Mapping[tuple[int, int, str], "Measured"]
 
 @dataclass(frozen=True)
 class Measured:
-    """A cell's number, in the benchmark's unit, and the measurement that it is from.
+    """A cell's number, in the benchmark's unit, the measurement that it is from, and the part that it is of.
 
     NaN if the method was measured, but has no such part.
     """
 
     value: float
     measurement: Measurement
+    part: str
 
 
 def table_times(
@@ -53,10 +55,11 @@ def describe(cells: Iterable[Measured]) -> str:
 
     Empty without cells. They are of one benchmark.
     """
-    items = [cell.measurement for cell in cells]
-    backends = " and ".join(sorted({item.run.params[BACKEND] for item in items}))
-    places = sorted({item.where for item in items})
-    return f"{backends}, {'; '.join(places)}" if items else ""
+    items = list(cells)
+    backends = " and ".join(sorted({item.measurement.run.params[BACKEND] for item in items}))
+    places = sorted({item.measurement.where for item in items})
+    renderers = sorted({item.measurement.renderer for item in items if RENDER in item.part})
+    return "; ".join([f"{backends}, {place}" for place in places] + [f"rendering by {name}" for name in renderers])
 
 
 def choose_times(
@@ -101,8 +104,9 @@ def _fill(cells: Mapping[Key, tuple[Selection, str]], series: Sequence[Measureme
     for key, runs in choose_runs([item.run for item in series], selections).cells.items():
         for run in runs:
             selection, quantity = cells[key]
-            value = by_id[run.id].value(quantity, selection.get(PART, ""))
-            filled[key] = Measured(math.nan if value is None else value, by_id[run.id])
+            part = selection.get(PART, "")
+            value = by_id[run.id].value(quantity, part)
+            filled[key] = Measured(math.nan if value is None else value, by_id[run.id], part)
     return filled
 
 
