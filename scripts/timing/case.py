@@ -27,7 +27,7 @@ MODELS = ("dlctus", "nsrr", "nsrd", "enss_s", "enss_m")
 
 
 def cases(overrides: list[str]) -> dict[str, DictConfig]:
-    """Return the configuration of each method at the laptop budget.
+    """Return the configuration of each method at the laptop budget, all with one recipe, whose loss needs no weights.
 
     ``overrides`` are those of train.py; ``model=a,b`` selects methods.
     """
@@ -36,6 +36,8 @@ def cases(overrides: list[str]) -> dict[str, DictConfig]:
     rest = [o for o in overrides if not o.startswith("model=")]
     if not any(o.startswith("budget=") for o in rest):
         rest.insert(0, "budget=laptop")
+    if not any(o.startswith("recipe=") for o in rest):
+        rest.insert(0, "recipe=dlctus")
     with initialize_config_dir(str(ROOT / "conf"), version_base="1.3"):
         names = selected[0].split(",") if selected else MODELS
         return {name: compose("train", [f"model={name}", *rest]) for name in names}

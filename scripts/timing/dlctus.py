@@ -17,9 +17,8 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from supersampling.frames import Frame
-from supersampling.models.dlctus import (
-    DLCTUS,
-    STRIDE,
+from supersampling.models.dlctus import DLCTUS, STRIDE
+from supersampling.models.dlctus_inference import (
     DLCTUSForInference,
     depth_to_space,
     in_blocks,
@@ -62,8 +61,8 @@ def pairs(model: DLCTUS, deployed: DLCTUSForInference, frame: Frame, state: Tens
 
     def residual() -> Tensor:
         x = low
-        for block in deployed.blocks:
-            x = x + block(x)
+        for block in deployed.network.blocks:
+            x = block(x)
         return x
 
     def construct() -> Tensor:
@@ -76,8 +75,8 @@ def pairs(model: DLCTUS, deployed: DLCTUSForInference, frame: Frame, state: Tens
 
     return {
         "writing the network's input": (write, write_blocks),
-        "first convolution": (lambda: model.network.down(whole), lambda: deployed.down(blocks)),
-        "both, optimisation 2": (lambda: model.network.down(write()), lambda: deployed.down(write_blocks())),
+        "first convolution": (lambda: model.network.down(whole), lambda: deployed.network.down(blocks)),
+        "both, optimisation 2": (lambda: model.network.down(write()), lambda: deployed.network.down(write_blocks())),
         "residual blocks": (residual, residual),
         "output construction, optimisation 1": (construct, construct_from_view),
         "whole frame": (lambda: model(frame, state), lambda: deployed(frame, state)),
@@ -94,7 +93,7 @@ def report(scale: int, width: int, height: int, repeats: int) -> None:
         motion=torch.randn(1, 2, 1, 1).expand(1, 2, *low) * 0.01,
         jitter=torch.rand(1, 2) - 0.5,
     )
-    state, deployed = torch.rand(1, 4, height, width), model.for_inference()
+    state, deployed = torch.rand(1, 4, height, width), DLCTUSForInference(model)
     difference = (model(frame, state)[1] - deployed(frame, state)[1]).abs().max().item()
     setting = f"{scale}x{scale} to {width}x{height}, {torch.get_num_threads()} threads, {repeats} pairs"
     print(f"\n{setting}; largest difference {difference:.1e}")

@@ -58,6 +58,11 @@ def group_options(group: str) -> list[str]:
     return sorted(path.stem for path in folder.glob("*.yaml"))
 
 
+def option_file(group: str, option: str) -> Path:
+    """Return the path of an option's file, whether it exists or not."""
+    return resources() / "conf" / group / f"{option}.yaml"
+
+
 def read_option(path: Path) -> tuple[dict[str, Any], list[Path]]:
     """Return the content of an option's file, and the files of its own group that it is based on."""
     content = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -71,12 +76,24 @@ def read_option(path: Path) -> tuple[dict[str, Any], list[Path]]:
 @lru_cache
 def published_stages(model: str) -> Mapping[str, str]:
     """Return the option of each slot that a model is published with: the defaults of ``conf/model/<model>.yaml``."""
-    content, bases = read_option(resources() / "conf" / "model" / f"{model}.yaml")
+    content, bases = read_option(option_file("model", model))
     stages = {slot: option for base in bases for slot, option in published_stages(base.stem).items()}
     for entry in content.get("defaults", []):
         if isinstance(entry, dict):
             stages |= {str(slot).removeprefix("override ").strip("/"): str(option) for slot, option in entry.items()}
     return stages
+
+
+@lru_cache
+def recipe_of(model: str) -> Mapping[str, str]:
+    """Return the option of each group that a model brings to its training: the defaults of
+    ``conf/recipe/<model>.yaml``."""
+    content, bases = read_option(option_file("recipe", model))
+    recipe = {group: option for base in bases for group, option in recipe_of(base.stem).items()}
+    for entry in content.get("defaults", []):
+        if isinstance(entry, dict):
+            recipe |= {str(group).strip("/"): str(option) for group, option in entry.items()}
+    return recipe
 
 
 def typed_overrides() -> list[str]:

@@ -115,7 +115,7 @@ TABLES = {
     # Swensen 2021
     "dlctus_table2": ("experiment=dlctus", DATA_SETS),
     # Section 4.5 gives it the recipe of Xiao et al., without their YCbCr.
-    "dlctus_table2_xiao": ("model=nsrr model/colour_space=rgb loss=nsrr", DATA_SETS),
+    "dlctus_table2_xiao": ("model=nsrr recipe=dlctus model/colour_space=rgb loss=nsrr", DATA_SETS),
     "dlctus_table10": (
         f"experiment=dlctus {SHARP}",
         {"L1": "loss=l1"} | {f"theta {t}": f"loss=spatiotemporal loss.theta={t}" for t in (0.1, 0.5, 0.9)},

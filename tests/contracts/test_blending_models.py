@@ -8,7 +8,7 @@ import torch
 from model_cases import VARIANTS, clip, model_of, run
 
 RECURRENT = ("tus", "dlctus")
-BLENDING = [v for v in VARIANTS if v[0] in ("bicubic", "jau", *RECURRENT)]
+BLENDING = [v for v in VARIANTS if v[0] in ("bicubic", "bilinear", "jau", "jau_bicubic", *RECURRENT)]
 every_blend = pytest.mark.parametrize("variant", BLENDING, ids=" ".join)
 
 

@@ -69,6 +69,30 @@ def test_shapes_and_range_at_odd_sizes(variant):
         assert targets.shape == outputs.shape
 
 
+@every_variant
+@torch.no_grad()
+def test_pictures_are_images_and_change_nothing(variant):
+    """What `pictured` and `state_images` return, and that outputs and states are the same with and without them."""
+    model = model_of(*variant, dtype=torch.float32)
+    buffers = clip(model.requires, frames=3, h=5, w=3, dtype=torch.float32)
+    expected, expected_states = run(model, buffers)
+    state, pictures = None, {}
+    for t in range(3):
+        frame = Frame.from_clip(buffers, t)
+        pictures = dict(model.pictured(frame, state))
+        output, state = model(frame, state)
+        assert torch.equal(output, expected[:, t])
+        pictures |= model.state_images(state)
+        for image in pictures.values():
+            assert image.shape[0] == 2
+            assert image.shape[1] in (1, 3)
+            assert image.shape[2:] == output.shape[2:]
+            assert image.min() >= 0.0
+            assert image.max() <= 1.0
+    for item, other in zip(tensors([state]), tensors(expected_states[-1:]), strict=True):
+        assert torch.equal(item, other)
+
+
 @pytest.mark.parametrize("scale", SCALES)
 @pytest.mark.parametrize("name", MODELS)
 @torch.no_grad()
@@ -173,7 +197,7 @@ def test_a_training_step_reaches_every_parameter(variant):
     model = trained_copy(*variant)
     buffers = clip(model.requires | model.compares, dtype=torch.float32)
     if not list(model.parameters()):
-        assert variant[0] in ("bicubic", "jau", "nearest", "tus", "tus_thesis")
+        assert variant[0] in ("bicubic", "bilinear", "jau", "jau_bicubic", "nearest", "tus", "tus_thesis")
         return
     training = Training(model, L1(), torch.optim.Adam, lambda optimizer: None, counted=2)
     training.log = lambda *args, **kwargs: None

@@ -1,11 +1,12 @@
 """The sweeps of NSRR and ENSS: those that hold a table of `test_ablations` have its rows, in any form of the method."""
 
-import itertools
 from functools import cache
 
 import pytest
 from hydra import compose, initialize_config_dir
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.global_hydra import GlobalHydra
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from model_cases import CONF, stems
 from omegaconf import OmegaConf
 from test_ablations import TABLES
@@ -25,8 +26,9 @@ def composed(*overrides):
 def jobs(*command):
     """``{its overrides: what they compose to}`` of each job that Hydra's basic sweeper makes of a command."""
     params = composed(*command).hydra.sweeper.params
-    values = [[f"{key}={value}" for value in str(value).split(",")] for key, value in params.items()]
-    return {" ".join(job): composed(*command, *job) for job in itertools.product(*values)}
+    words = [f"{key}={value}" for key, value in params.items()]
+    (rows,) = BasicSweeper.split_arguments(OverridesParser.create().parse_overrides(words), None)
+    return {" ".join(job): composed(*command, *job) for job in rows}
 
 
 def program(cfg):
@@ -42,7 +44,7 @@ def test_a_sweep_s_jobs_are_the_table_s_rows(name):
     assert {program(cfg) for cfg in jobs(f"sweeps={name}").values()} == expected
 
 
-@pytest.mark.parametrize("name", ["nsrr_table3", "nsrr_table9", "nsrr_colour_space"])
+@pytest.mark.parametrize("name", [name for name in stems("../sweeps") if name.startswith("nsrr_")])
 def test_the_rows_of_nsrr_go_with_another_form_of_it(name):
     """What ``experiment=laptop/nsrr`` sets stays in every job, but for what the row itself is about."""
     swept = set(composed(f"sweeps={name}").hydra.sweeper.params)

@@ -90,8 +90,14 @@ def test_doubtful_pictures_are_named(change, buffers, line):
 
 
 def test_motion_of_two_resolutions_that_differ_is_an_error():
-    with pytest.raises(UserError, match="motion in high and in low resolution differ in 100% of the pixels"):
+    with pytest.raises(UserError, match="motion in high and in low resolution differ in 100.0% of the pixels"):
         check(edit("high_motion", lambda motion: -motion), COLOURS | {"high_motion"})
+
+
+def test_a_small_object_that_moves_in_one_resolution_only_is_named():
+    lines = check(edit("high_motion", lambda motion: motion[::-1]), COLOURS | {"high_motion"})
+    assert re.search(r"differ in \d+(\.\d+)?% of the pixels of a frame, away from edges", lines)
+    assert "away from edges" not in check(lambda buffers, t: None, COLOURS | {"high_motion"})
 
 
 def jitter(value):

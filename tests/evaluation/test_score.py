@@ -155,3 +155,51 @@ def test_metrics_of_earlier_evaluation_are_kept(path, tmp_path):
 def test_warm_up_longer_than_the_clips_is_error(path):
     with pytest.raises(UserError, match="warm_up=5: use less than the 5 frames"):
         evaluate(Bicubic(4), Metrics([PSNR()]), Protocol(Continuous(), warm_up=5), [path])
+
+
+class Ramp(Bicubic):
+    """With a picture of its step: the column of the target position, one darker window, and the frame's number."""
+
+    over_time = frozenset({"ramp"})
+
+    def __init__(self, scale):
+        super().__init__(scale)
+        self.requires = frozenset({"color", "jitter"})
+
+    def step_images(self, frame, state):
+        return {"ramp": picture_of(frame.jitter), "once": torch.full((1, 3, 48, 64), 0.5)}
+
+
+def picture_of(jitter):
+    picture = torch.linspace(0.4, 1, 64)[None, None, None].expand(1, 1, 48, 64).clone()
+    picture[..., 24:32, 40:48] = 0.5 + jitter[0, 0] / 2
+    return picture
+
+
+def test_pictures_over_time_are_of_the_darkest_window_with_a_dot_at_each_sample(path, tmp_path):
+    evaluate(Ramp(4), Metrics([PSNR()]), Protocol(Continuous()), [path]).write(tmp_path)
+    with Image.open(tmp_path / "steps" / "0_analytic_ramp.png") as picture:
+        strip = np.asarray(picture)
+    with Image.open(tmp_path / "state" / "0_analytic_once.png") as picture:
+        assert (np.asarray(picture) == 128).all()
+    assert sorted(p.name for p in (tmp_path / "state").iterdir()) == ["0_analytic_once.png", "0_analytic_ramp.png"]
+    assert [p.name for p in (tmp_path / "steps").iterdir()] == ["0_analytic_ramp.png"]
+    # All five frames of the clip: windows of 8x8 pixels, 16 times as large, 8 apart.
+    assert strip.shape == (128, 5 * 128 + 4 * 8, 3)
+    file = DatasetFile(path)
+    jitters = torch.from_numpy(file.read("jitter", 0, slice(0, 5)))
+    y, x = detailed_corner(torch.from_numpy(file.read("target", 0, slice(4, 5))), 48)
+    mean = torch.stack([picture_of(jitter[None])[0, 0] for jitter in jitters]).mean(0)
+    corners = [(i, j) for i in range(y, y + 41) for j in range(x, x + 41) if i % 4 == j % 4 == 0]
+    top, left = min(corners, key=lambda c: mean[c[0] : c[0] + 8, c[1] : c[1] + 8].mean().item())
+    for k, jitter in enumerate(jitters):
+        tile = strip[:, k * 136 : k * 136 + 128]
+        red = (tile == (214, 39, 40)).all(axis=-1)
+        for i in range(2):
+            for j in range(2):
+                expected = [(4 * (n + 0.5 + float(o)) * 16) for n, o in ((i, jitter[1]), (j, jitter[0]))]
+                inside = red[i * 64 : i * 64 + 64, j * 64 : j * 64 + 64].nonzero()
+                centre = (np.mean(inside, axis=1) + 0.5) + (i * 64, j * 64)
+                np.testing.assert_allclose(centre, expected, atol=1.5)
+        grey = picture_of(jitter[None])[0, 0, top : top + 8, left : left + 8].mul(255).round().numpy()
+        np.testing.assert_array_equal(tile[0::16, 0::16, 0], grey)

@@ -10,6 +10,7 @@ from enss_cases import clip, enss, run
 from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 
+from supersampling.frames import Frame
 from supersampling.stages.confine import Clamp
 from supersampling.stages.flow import TVL1, NoFlow
 from supersampling.stages.history import Blended, NoHistory, Unblended
@@ -175,3 +176,29 @@ def test_a_disabled_stage_leaves_no_parameters_and_no_inputs():
     assert enss(flow=TVL1()).requires == {"color", "depth", "jitter"}
     assert enss().requires == {"color", "depth", "jitter", "motion"}
     assert run(single, clip())[1] == ()
+
+
+@torch.no_grad()
+def test_step_images_are_the_parts_of_equation_3():
+    """The output is the blend of the pictures by the mask, and the reprojected one is the paper's warp."""
+    model = enss(scale=2).double()
+    for p in model.parameters():
+        p.add_(torch.randn_like(p) * 0.05)
+    buffers = clip(frames=3, b=1, dtype=torch.float64)
+    state = None
+    for t in range(3):
+        frame = Frame.from_clip(buffers, t)
+        images = model.pictured(frame, state)
+        before = state
+        output, state = model(frame, state)
+        assert set(images) == {"reprojected", "candidate", "mask"}
+        assert all(image.min() >= 0 and image.max() <= 1 for image in images.values())
+        blend = images["mask"] * images["candidate"] + (1 - images["mask"]) * images["reprojected"]
+        torch.testing.assert_close(blend, output, rtol=0, atol=1e-12)
+        if before is not None:
+            warped = paper_warp(before[0][0], frame.motion[0], frame.depth[0], 2)
+            torch.testing.assert_close(images["reprojected"][0], warped[:3], rtol=0, atol=1e-12)
+    assert images["mask"].std() > 0.01
+    assert model.over_time <= set(images)
+    assert set(enss(history=Unblended()).pictured(Frame.from_clip(clip(), 0), None)) == {"reprojected"}
+    assert enss(history=NoHistory()).pictured(Frame.from_clip(clip(), 0), None) == {}

@@ -222,3 +222,35 @@ def test_exports_to_a_graph(warp_at):
     expected, expected_after = model(Frame.from_clip(buffers, 1), state)
     torch.testing.assert_close(output, expected)
     torch.testing.assert_close(after, expected_after)
+
+
+class FixedWeights(NoReweighting):
+    """Weights that a test sets, ``(B, previous, H, W)``."""
+
+    def forward(self, current, past):
+        return past * self.weights[:, :, None]
+
+
+@pytest.mark.parametrize(("previous", "warp_at"), [(4, TargetResolution), (2, LowResolution)])
+@torch.no_grad()
+def test_reweighting_images_are_the_weights_of_the_output(previous, warp_at):
+    """A network whose weights are those of the pictures, times 10, gives the same outputs."""
+    upsample = ZeroUpsampling() if warp_at is TargetResolution else BilinearUpsampling()
+    model = nsrr(2, previous, width=8, warp_at=warp_at(), upsample=upsample).double()
+    for p in model.parameters():
+        p.add_(torch.randn_like(p) * 0.05)
+    fixed = nsrr(2, previous, width=8, warp_at=warp_at(), upsample=upsample, reweight=FixedWeights).double()
+    fixed.load_state_dict(model.state_dict(), strict=False)
+    buffers = clip(frames=4, dtype=torch.float64)
+    state = None
+    for t in range(4):
+        frame = Frame.from_clip(buffers, t)
+        images = model.pictured(frame, state)
+        assert list(images) == [f"reweighting_{k + 1}" for k in range(previous)]
+        fixed.previous_frames.reweight.weights = 10 * torch.cat(list(images.values()), dim=1)
+        expected, _ = fixed(frame, state)
+        output, state = model(frame, state)
+        torch.testing.assert_close(output, expected, rtol=0, atol=1e-12)
+    assert torch.cat(list(images.values())).std() > 0.001
+    assert fixed.pictured(frame, state) == {}
+    assert nsrr(2, 0).pictured(Frame.from_clip(clip(), 0), None) == {}

@@ -22,6 +22,8 @@ from supersampling.profiling.interleave import Outcome
 from supersampling.profiling.traffic import Workload
 from supersampling.profiling.worker import Case
 from supersampling.runs.experiment import open_experiment
+from supersampling.runs.measurements import read_measurements
+from supersampling.runs.store import Store
 from supersampling.runs.subjects import subjects_by_name, subjects_of_run
 from supersampling.runs.timing import read
 from supersampling.runs.timing_log import log_times_of_jobs
@@ -113,6 +115,22 @@ def test_methods_by_name(inside):
         subjects_by_name(["dlss"], [4])
 
 
+def test_methods_with_switches(inside):
+    inside("model=dlctus", "model/reproject=bicubic5")
+    names = ["nsrr previous=2 reweight=none", "nsrr previous=0", "dlctus reproject=bilinear", "dlctus"]
+    both, none, bilinear, published = subjects_by_name(names, [4])
+    assert (both.name, both.model["previous"], none.model["previous"]) == ("nsrr previous=2 reweight=none", 2, 0)
+    parameters = {"model": "nsrr", "model.previous": "2", "model.reweight": "none", "task.scale": "4"}
+    assert both.parameters.items() >= parameters.items()
+    assert none.parameters["model.reweight"] == "learned"
+    assert [s.parameters["model.reproject"] for s in (bilinear, published)] == ["bilinear", "bicubic9"]
+    assert len({s.architecture for s in (both, none, bilinear, published)}) == 4
+    with pytest.raises(UserError, match="Invalid switch fast of nsrr in methods: use slot=option or setting=value"):
+        subjects_by_name(["nsrr fast"], [4])
+    with pytest.raises(UserError, match=r"model\.frames=2"):
+        subjects_by_name(["nsrr frames=2"], [4])
+
+
 def test_unknown_run(experiment):
     with pytest.raises(UserError, match="There is no run 123"):
         subjects_of_run(experiment, "123")
@@ -188,6 +206,33 @@ def test_command(tmp_path):
     stages = pd.read_json(path.with_name("stages.json"), orient="split")
     ms = stages[stages.method == "dlctus"].set_index("part").ms
     assert ms[[n for n in ms.index if "." not in n and n != "total"]].sum() == pytest.approx(ms.total)
+
+
+@pytest.mark.slow
+def test_command_with_rendering_and_what_reports_read_of_it(tmp_path):
+    """A switch in a method's name, a backend of one method only, and the renderer's own time, read back."""
+    uri = f"sqlite:///{tmp_path}/mlflow.db"
+    settings = ["sizes=[[32,32]]", "rounds=1", "frames=2", "seconds=0.1", "threads=1", "depth=2", "device=cpu"]
+    settings += ["rendering=true", "scene=turntable", f"paths.root={tmp_path}", f"tracking_uri={uri}"]
+    methods = 'methods=["dlctus reproject=bilinear",jau]'
+    command = [sys.executable, "benchmark.py", methods, "backends=[eager,thesis_1]", *settings]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert "jau x4 32x32 thesis_1 float32: The thesis_1 backend runs DLCTUS only, not JAU" in done.stdout
+    experiment = open_experiment(uri, "supersampling", tmp_path)
+    measurements = read_measurements(Store(uri, tmp_path / "copies"), experiment.id)
+    items = {(item.run.params["model"], item.run.params["backend"]): item for item in measurements}
+    assert set(items) == {(m, b) for m in ("dlctus", "none") for b in ("eager", "thesis_1")} | {("jau", "eager")}
+    plain = items["dlctus", "eager"]
+    assert plain.run.params["model.reproject"] == "bilinear"
+    parts = ("prepare_input", "network", "construct", "(its own)")
+    assert plain.value("ms", " + ".join(parts)) == pytest.approx(plain.value("ms", "total"))
+    assert plain.value("parameters", "network.blocks") == 4 * (2 * 32 * 32 * 9 + 64)
+    assert 0 < plain.value("ms", "render.g_buffers") < plain.value("ms", "render")
+    full = items["none", "eager"]
+    assert full.run.params["size"] == "32x32"
+    assert full.value("ms", "render + whole") == full.value("ms", "render") > 0
+    assert "OpenGL" in full.renderer
 
 
 def test_unknown_backend(tmp_path):

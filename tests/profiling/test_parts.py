@@ -59,9 +59,12 @@ def test_tensor_functions_are_parts(composed):
     with torch.no_grad():
         rows = {
             r.part: r.kind
-            for r in measure_parts(model, lambda: model(frame, model(frame, None)[1]), 2, Recorder(CPU, 2))
+            for r in measure_parts(model, lambda: model(frame, model(frame, None)[1]), 2, Recorder(CPU, 3))
         }
-    assert rows["zero_upsample"] == "function"
-    assert rows["prepare.jitter_aligned_upsample"] == "function"
-    assert rows["network.blocks.3"] == "Sequential"
+    assert rows["prepare_input.zero_upsample"] == "function"
+    assert rows["prepare_input.prepare.jitter_aligned_upsample"] == "function"
+    assert rows["network.blocks.3"] == "ResidualBlock"
+    # Numbered layers of a numbered block: names of two levels do not mix.
+    layers = [rows[f"network.blocks.3.{k}"] for k in range(3)]
+    assert layers == ["Conv2d", "ReLU", "Conv2d"]
     assert dlctus.zero_upsample is original

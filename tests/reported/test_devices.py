@@ -194,4 +194,4 @@ def test_the_jobs_of_a_multirun(data, tmp_path):
     answer = run_script("train", arguments, timeout=600)
     assert answer.status == 0, answer.text
     assert [run.info.status for run in runs_of(tmp_path)] == ["FINISHED"] * 5  # the sweep, two sanity rows, two jobs
-    assert len(answer.text.splitlines()) == 2
+    assert len(answer.text.splitlines()) == 2, answer.text

@@ -11,6 +11,7 @@ from example_runs import example_run
 
 from supersampling.reporting.pages.claims import counts, long_form, rows
 from supersampling.reporting.papers.claims import Judged, choose_claim, judge, side
+from supersampling.reporting.papers.effects import RunScores
 from supersampling.reporting.papers.schema import Claim, Series
 from supersampling.reporting.settings import choose
 from supersampling.runs.statistics import Estimate
@@ -40,8 +41,10 @@ def claim(kind: str = "more", **more: Any) -> Claim:
     return Claim(kind=kind, **printed, **fields)  # type: ignore[arg-type]
 
 
-def judged(statement: Claim, runs: list[Run], tables: dict[str, pd.DataFrame]) -> Judged:
-    return judge(choose_claim(statement, choose(runs, None, None)), tables)
+def judged(
+    statement: Claim, runs: list[Run], tables: dict[str, pd.DataFrame], frames: dict[str, pd.DataFrame] | None = None
+) -> Judged:
+    return judge(choose_claim(statement, choose(runs, None, None)), RunScores(tables, frames or {}))
 
 
 PAIR = [run("late", model__warp_at="target"), run("early", model__warp_at="low")]

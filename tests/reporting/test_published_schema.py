@@ -44,7 +44,16 @@ SMALL: dict[str, Any] = {
     "facts": [
         {"number": "2", "section": "1", "page": 1, "title": "Scenes.", "headers": ["a", "b"], "rows": [["x", ""]]}
     ],
-    "pictures": [{"number": "figure 3", "section": "1", "page": 1, "title": "Crops.", "counterpart": "crops"}],
+    "pictures": [
+        {
+            "number": "figure 3",
+            "section": "1",
+            "page": 1,
+            "title": "Crops.",
+            "counterpart": "crops",
+            "series": [{"label": "A", "select": {"model": "a"}}],
+        }
+    ],
     "figures": [
         {
             "number": "4",
@@ -123,6 +132,8 @@ def test_a_table_without_a_sweep(tmp_path: Path) -> None:
         (("facts", 0, "rows"), [["x"]], "use a cell for each"),
         (("facts", 0, "rows"), [["x", 3]], 'Invalid value 3: use a text, written as "3"'),
         (("pictures", 0, "counterpart"), "film", "film"),
+        (("pictures", 0, "counterpart"), "none", "Invalid series of counterpart=none: name the runs"),
+        (("pictures", 0, "series"), [], "Invalid series of counterpart=crops: name the runs"),
         (("pictures", 0, "page"), -1, "figure 3: Invalid page=-1: use at least 1"),
         (("figures", 0, "x"), None, "Missing x of a curve"),
         (("figures", 0, "kind"), "pie", "pie"),
@@ -167,3 +178,10 @@ def test_names_in_print_and_of_files() -> None:
     assert name_of("11a", "Figure") == "Figure 11a"
     assert name_of("colour space") == "Colour space"
     assert stem_of("colour space") == "colour_space"
+
+
+def test_a_picture_without_a_counterpart_says_why(tmp_path: Path) -> None:
+    picture = {"number": "figure 3", "section": "1", "title": "Film.", "counterpart": "none"}
+    with pytest.raises(UserError, match="figure 3: Missing note of counterpart=none: say why"):
+        load(tmp_path, {**SMALL, "pictures": [picture]})
+    assert load(tmp_path, {**SMALL, "pictures": [{**picture, "note": "No film."}]}).pictures[0].series == []

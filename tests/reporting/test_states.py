@@ -39,3 +39,21 @@ def test_each_picture_of_a_state_stands_below_its_own_target(tmp_path: Path) -> 
 
     assert levels(targets) == expected
     assert levels(images) == [100 + index for index in expected]
+
+
+def test_several_pictures_of_a_method_are_lines_of_one_gallery(tmp_path: Path) -> None:
+    crops, states, out = tmp_path / "crops", tmp_path / "state", tmp_path / "out"
+    out.mkdir()
+    for index in range(3):
+        grey(crops / f"{index}_hall_target.png", index)
+        for level, name in ((50, "mask"), (90, "candidate")):
+            if (index, name) != (1, "mask"):
+                grey(states / f"{index}_hall_{name}.png", level + index)
+    methods = [Method("enss_m x4", [example_run("a")], True)]
+    (gallery,) = state_galleries(methods, {"a": states}, {"a": crops}, out)
+    assert gallery.caption == [Text("enss_m x4: candidate, mask", "bold"), Text(" (from top to bottom)" + CAPTION)]
+    (row,) = gallery.rows
+    shown = [[out / part.picture for part in line if isinstance(part, Picture)] for line in row.lines[1:]]
+    levels = [[int(np.asarray(Image.open(path))[0, 0, 0]) for path in line] for line in shown]
+    assert levels == [[0, 2], [90, 92], [50, 52]]
+    assert state_galleries(methods, {}, {"a": crops}, out) == []

@@ -5,7 +5,7 @@ import torch
 
 from supersampling.frames import Frame
 from supersampling.ops.display import radiance_to_display
-from supersampling.stages.demodulate import Demodulated, DisplayColour, LoggedLighting, Radiance
+from supersampling.stages.demodulate import Demodulated, DisplayColour, LoggedLighting, LoggedRadiance, Radiance
 
 
 def light(*shape, low=0.0):
@@ -26,7 +26,7 @@ def test_perfect_output_is_presented_as_the_target():
         light(2, 4, 1, 6, 6) > 0.8
     )  # sky: all of it bypasses the network
     clip["high_material"] = light(2, 4, 3, 6, 6, low=0.05) * (clip["high_emission"] == 0)
-    for stage in (Demodulated(), LoggedLighting(), Radiance()):
+    for stage in (Demodulated(), LoggedLighting(), Radiance(), LoggedRadiance()):
         buffers = {name: clip[name] for name in stage.compares}
         reference = stage.reference(buffers)
         assert reference.shape == clip["target_radiance"].shape
@@ -50,6 +50,27 @@ def test_logged_lighting_is_the_logarithm_of_lighting_and_does_not_overflow():
     assert lit[0, 0, 0].tolist() == pytest.approx([0.0, 1e-6, math.log(1.5), math.log(3001.0)], rel=1e-5)
     shown = stage.present(torch.full_like(one, 1e4), Frame(high_material=one, high_emission=none))
     torch.testing.assert_close(shown, one)
+
+
+def test_logged_radiance_is_logged_lighting_of_a_white_material_that_does_not_glow():
+    """The two options differ in the material only: input, reference of the loss and image are the same without one."""
+    torch.manual_seed(0)
+    clip = {"target_radiance": 9.0 * light(2, 4, 3, 6, 6)}
+    clip["high_material"] = torch.ones_like(clip["target_radiance"])
+    clip["high_emission"] = torch.zeros_like(clip["target_radiance"])
+    on, off = LoggedLighting(), LoggedRadiance()
+    low = {"radiance": clip["target_radiance"], "material": clip["high_material"], "emission": clip["high_emission"]}
+    torch.testing.assert_close(off(Frame.from_clip(low, 1)), on(Frame.from_clip(low, 1)))
+    torch.testing.assert_close(off.reference(clip), on.reference(clip))
+    output = 20.0 * light(2, 3, 6, 6) - 5.0  # negative, and beyond the largest half
+    frame = Frame.from_clip(clip, 1)
+    torch.testing.assert_close(off.radiance(output, frame), on.radiance(output, frame))
+    torch.testing.assert_close(off.present(output, frame), on.present(output, frame))
+    assert off.requires == {"radiance"}
+    assert off.compares == {"target_radiance"}
+    assert off(Frame(radiance=torch.tensor([0.0, 1.5, 3000.0]))).tolist() == pytest.approx(
+        [0.0, math.log(2.5), math.log(3001.0)]
+    )
 
 
 def test_none_reads_radiance_only():

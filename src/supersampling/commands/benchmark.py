@@ -13,9 +13,11 @@ from omegaconf import DictConfig, OmegaConf
 
 from supersampling import settings
 from supersampling.commands.cost import cost
+from supersampling.commands.rendering import rendered_scenes, renderings
 from supersampling.errors import UserError
 from supersampling.models.precision import TYPES
 from supersampling.profiling.backends import Backend
+from supersampling.profiling.described import module_table, parameter_table
 from supersampling.profiling.interleave import Outcome, Rounds, measure
 from supersampling.profiling.stream import spread
 from supersampling.profiling.traffic import Workload, workload
@@ -23,7 +25,7 @@ from supersampling.profiling.worker import Case, pin
 from supersampling.runs import drift
 from supersampling.runs.experiment import Experiment, experiment_of, machine
 from supersampling.runs.subjects import Subject, subjects_by_name, subjects_of_run
-from supersampling.runs.timing import Timing
+from supersampling.runs.timing import MODULES, PARAMETERS, RENDERINGS, STAGES, Timing
 from supersampling.runs.timing_log import log, log_times_of_jobs
 
 LEAST = {"rounds": 1, "frames": 1, "depth": 0, "threads": 1}
@@ -55,11 +57,18 @@ def benchmark(cfg: DictConfig) -> None:
     pin(cfg.threads)
     experiment = experiment_of(cfg)
     subjects = _subjects(cfg, experiment)
+    scenes = rendered_scenes(cfg)
     device = settings.device(cfg.device)
     backends: dict[str, Any] = OmegaConf.to_container(cfg.backends, resolve=True)  # type: ignore[assignment]
     timings, stages = time_cases(cfg, subjects, backends, device)
     show(timings, stages)
-    run_id = log(experiment, cfg, timings, stages)
+    tables = {
+        STAGES: stages,
+        PARAMETERS: parameter_table(subjects),
+        MODULES: module_table(subjects, cfg.sizes, cfg.depth),
+        RENDERINGS: renderings(cfg, subjects, scenes),
+    }
+    run_id = log(experiment, cfg, timings, tables)
     try:
         log_times_of_jobs(experiment, timings)
         if cfg.cost:

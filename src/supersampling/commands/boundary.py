@@ -16,7 +16,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf, open_dict
 from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
 
-from supersampling.commands.explanation import explanation, raised_by_libraries, reason_of
+from supersampling.commands.explanation import explanation, owners, raised_by_libraries, reason_of
 from supersampling.config import composed, key_of, overrides_of, typed_overrides
 from supersampling.errors import UserError, find_user_error
 from supersampling.process import prepare_process
@@ -89,7 +89,9 @@ def _rejected_settings(error: InstantiationException, typed: list[str]) -> UserE
     if not words:
         return None
     reason = reason_of(error.__cause__) if error.__cause__ is not None else reason_of(error)
-    return UserError(f"{' '.join(words)} cannot be used ({reason}): correct it, or leave it out.")
+    having = [f"{node}={option}" for word in words for option in owners(node, key_of(word).removeprefix(f"{node}."))]
+    advice = f"set {' or '.join(having)}" if having else "correct it"
+    return UserError(f"{' '.join(words)} cannot be used ({reason}): {advice}, or leave it out.")
 
 
 def _changes_inside(word: str, node: str) -> bool:
@@ -132,8 +134,9 @@ class SweepCheck(Callback):
                 if name == "train":
                     _check_training(cfg, parts)
             except UserError as error:
-                words = [word for word in job if not all(word in words for words in jobs)] or job
-                raise UserError(f"{' '.join(words)}: {error} No job was started.") from error
+                shared = set.intersection(*map(set, jobs))
+                differing = [word for word in job if word not in shared] or job
+                raise UserError(f"{' '.join(differing)}: {error} No job was started.") from error
             finally:
                 HydraConfig.instance().cfg = None
 
@@ -149,6 +152,7 @@ def _check_training(cfg: DictConfig, parts: set[str]) -> None:
     """Check how a job is trained, each way once."""
     from supersampling.training.check import check_training  # with torch and Lightning, which --help does not need
 
+    prepare_process()  # Lightning sets the level of its messages when it is imported
     text = "".join(OmegaConf.to_yaml(cfg[key], resolve=True) for key in ("trainer", "budget", "optimizer"))
     if text not in parts:
         parts.add(text)

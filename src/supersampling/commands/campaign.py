@@ -1,4 +1,5 @@
-"""Several sweeps by one command: ``sweeps=nsrr_table9,nsrr_table10``, or a paper's name for all of its own.
+"""Several sweeps by one command: ``sweeps=nsrr_table9,nsrr_table10``, or a paper's name for all of its own; and a job
+for each scene: ``scene=each``.
 
 Hydra can sweep over anything but sweeps: it would train the default once per name, without a word. So each sweep is a
 process of its own, one after another; a job that several of them have is done by the first, and the others find it
@@ -7,13 +8,20 @@ finished.
 
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from omegaconf import OmegaConf
+
+from supersampling.config import composed, key_of
 from supersampling.errors import UserError
 from supersampling.resources import resources
 
 KEY = "sweeps="
+PER_SCENE = "scene=each"
 INTERRUPTED = 130
 
 
@@ -64,3 +72,44 @@ def run_sweeps(sweeps: Sequence[Sequence[str]]) -> int:
             return INTERRUPTED
         failed = failed or status
     return failed
+
+
+def with_scenes(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with ``scene=each`` replaced by a sweep over the scenes that the others select together.
+
+    Raises:
+        UserError: without ``-m``; several experiments that select different scenes.
+    """
+    if PER_SCENE not in arguments:
+        return list(arguments)
+    if not {"-m", "--multirun"} & set(arguments):
+        raise UserError(f"{PER_SCENE} trains a network per scene, so it runs several jobs: add -m.")
+    scenes = _scenes_of([word for word in arguments if "=" in word and not word.startswith("-") and word != PER_SCENE])
+    return [f"scene={','.join(scenes)}" if word == PER_SCENE else word for word in arguments]
+
+
+def _scenes_of(words: Sequence[str]) -> list[str]:
+    """Return the scenes of every job that the words sweep over."""
+    selecting = [word for word in words if key_of(word) in ("experiment", "data", "sweeps")]
+    params = {} if (name := _sweep_of(selecting)) is None else _parameters(name)
+    if "scene" in params:  # the sweep itself has a job for each scene
+        return str(params["scene"]).split(",")
+    swept = [f"{key}={value}" for key, value in params.items() if key in ("experiment", "data")]
+    jobs, *_ = BasicSweeper.split_arguments(OverridesParser.create().parse_overrides([*swept, *selecting]), None)
+    selected = [composed("train", job).cfg.scene for job in jobs]
+    lists = {(scene,) if isinstance(scene, str) else tuple(scene) for scene in selected}
+    if len(lists) > 1:
+        choices = " and ".join("[" + ",".join(scenes) + "]" for scenes in sorted(lists))
+        raise UserError(f"{PER_SCENE} with jobs that select different scenes, {choices}: name the scenes, scene=a,b.")
+    return [str(scene) for scene in lists.pop()]
+
+
+def _sweep_of(words: Sequence[str]) -> str | None:
+    names = [word.removeprefix(KEY) for word in words if word.startswith(KEY)]
+    return names[0] if names and names[0] else None
+
+
+def _parameters(sweep: str) -> Mapping[str, Any]:
+    """Return what a sweep's file sweeps over."""
+    content: Any = OmegaConf.load(resources() / "sweeps" / f"{sweep}.yaml")
+    return dict(content.hydra.sweeper.params)

@@ -121,6 +121,8 @@ def _start(name: str, flags: Flags, arguments: list[str]) -> None:
     """
     if name == "train" and flags.runs and (commands := campaign.commands(arguments)):
         sys.exit(campaign.run_sweeps(commands))
+    if name == "train":
+        arguments = campaign.with_scenes(arguments)
     if "shell_completion" not in flags:
         check_overrides(name, arguments)
     sys.argv = [sys.argv[0], *arguments]

@@ -26,7 +26,8 @@ from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment, experiment_of
 from supersampling.runs.method import method_of
-from supersampling.runs.sanity import UntrainedMethod, protocol_parameters, score_once, score_sanity
+from supersampling.runs.sanity import UntrainedMethod, score_once, score_sanity
+from supersampling.runs.scored import scored_parameters
 from supersampling.runs.scores import log_result
 
 RECORDINGS = {"display": (".png", DisplayImages), "radiance": (".exr", RadianceImages)}
@@ -35,12 +36,13 @@ RECORDINGS = {"display": (".png", DisplayImages), "radiance": (".exr", RadianceI
 def evaluate(cfg: DictConfig) -> None:
     """Score the configured method, or frames that another program upscaled, print a table by scene, log it.
 
-    A method's evaluation is a run of kind ``evaluation``; frames of another program become baselines (kind ``job``),
-    which are scored once, as are the reference and the raw input (kind ``sanity``).
+    A method's evaluation is a run of kind ``evaluation``; parts of its model that the command line names replace those
+    that it was trained with. Frames of another program become baselines (kind ``job``), which are scored once, as are
+    the reference and the raw input (kind ``sanity``).
 
     Raises:
-        UserError: no such run or checkpoint, or one of another scale or model; images that are missing or of another
-            kind.
+        UserError: no such run or checkpoint, or one of another scale or model; weights that do not fit; images that are
+            missing or of another kind.
     """
     settings.exclusive(cfg, "checkpoint", "run", "capture", "frames")
     torch.set_num_threads(cfg.threads)
@@ -48,7 +50,7 @@ def evaluate(cfg: DictConfig) -> None:
     if cfg.capture or cfg.frames:
         _score_recordings(experiment, cfg)
         return
-    method = method_of(cfg)
+    method = method_of(cfg, exchange=True)
     metrics: Metrics = instantiate(cfg.metrics)
     files = _test_files(cfg, method.model, metrics)
     sanity = score_sanity(cfg, files, experiment)
@@ -56,7 +58,7 @@ def evaluate(cfg: DictConfig) -> None:
     _print_table(method.name, scores, sanity)
     run_tags = {tags.KIND: "evaluation", tags.DATASET: fingerprint(files, ["target"]), tags.METHOD: method.name}
     run_id = experiment.start(f"evaluate {method.name}", run_tags, None)
-    experiment.log_params(run_id, {**method.parameters, **protocol_parameters(cfg)})
+    experiment.log_params(run_id, scored_parameters(cfg, method, files))
     log_result(experiment, run_id, scores, {})
     experiment.finish(run_id)
 

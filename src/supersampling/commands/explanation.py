@@ -10,9 +10,9 @@ from hydra.errors import MissingConfigException
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
 from supersampling.commands.quoting import shell_word
-from supersampling.config import composed, group_options, key_of, published_stages, read_option
+from supersampling.config import composed, group_options, key_of, option_file, published_stages, read_option
 from supersampling.errors import UserError, chain
-from supersampling.resources import PACKAGE, resources
+from supersampling.resources import PACKAGE
 
 SENTENCES = (
     (r"Sweep parameters '(?P<word>.*)' requires", "{word} runs several jobs: add -m."),
@@ -61,6 +61,9 @@ def explanation(command: str, arguments: Sequence[str], error: Exception) -> str
     if match is None:
         return f"The command line cannot be composed ({text}): see python {command}.py --help."
     key = match[1].partition("@")[0]
+    experiment = re.match(r"In 'experiment/([^']+)'", text)
+    if experiment and key.startswith("model/"):
+        return _slot_of_experiment(arguments, experiment[1], key)
     if key.startswith("model/"):
         return _missing_slot(command, arguments, key.removeprefix("model/"))
     return _missing_setting(command, arguments, key)
@@ -78,8 +81,27 @@ def _missing_file(name: str, known: Sequence[str]) -> str:
     group, _, option = name.rpartition("/")
     if not group:
         return f"There is no configuration {option}.yaml: --config-name takes a file of conf/ or of --config-dir."
+    if group == "recipe":
+        return (
+            f"Model {option} has no recipe: write conf/recipe/{option}.yaml with the loss, task and window choice of "
+            "its training, or set recipe=none."
+        )
     options = ", ".join(group_options(group) or known)
     return f"Unknown option {group}={option}: {f'use {options}' if options else f'there is no group {group}'}."
+
+
+def _slot_of_experiment(arguments: Sequence[str], experiment: str, slot: str) -> str:
+    """Return what to write in place of an experiment that sets a slot of its own model, which another word replaces."""
+    listed = " ".join(word for word in arguments if key_of(word) == "experiment")
+    published = [f"{name}_published" for name in re.findall(r"[\w/]+", listed)]
+    forms = [name for name in published if option_file("experiment", name).is_file()]
+    advice = f"write experiment={forms[0]}" if forms else "leave the experiment or the other model out"
+    return f"experiment={experiment} sets {slot}, which the other model of the command line does not have: {advice}."
+
+
+def owners(group: str, name: str) -> list[str]:
+    """Return the options of a group that have a setting."""
+    return [option for option in group_options(group) if name in _settings(group, option)]
 
 
 def _missing_slot(command: str, arguments: Sequence[str], slot: str) -> str:
@@ -99,9 +121,9 @@ def _missing_setting(command: str, arguments: Sequence[str], key: str) -> str:
     if not group or not group_options(group) or group.startswith("hydra"):
         return _missing_key(command, arguments, key)
     option = _selected(command, arguments, group)
-    owners = [o for o in group_options(group) if name in _settings(group, o)]
+    having = owners(group, name)
     known = ", ".join(_settings(group, option)) or "none"
-    advice = f"set {group}={' or '.join(owners)}, or one" if owners else "use one"
+    advice = f"set {group}={' or '.join(having)}, or one" if having else "use one"
     return f"{group}={option} has no setting {name}: {advice} of its own settings ({known})."
 
 
@@ -160,7 +182,7 @@ def _selected(command: str, arguments: Sequence[str], group: str) -> str:
 
 def _settings(group: str, option: str) -> list[str]:
     """Return the settings that an option's file sets, with those of the files in its group that it is based on."""
-    path = resources() / "conf" / group / f"{option}.yaml"
+    path = option_file(group, option)
     if not path.is_file():
         return []
     content, bases = read_option(path)

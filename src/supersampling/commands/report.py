@@ -36,7 +36,7 @@ def report(cfg: DictConfig) -> list[Path]:
     with tempfile.TemporaryDirectory(prefix="report-") as folder:
         build = Path(folder)
         store = Store(cfg.tracking_uri, build / "artifacts")
-        experiment = store.experiment(str(cfg.experiment_name))
+        experiment = store.experiment(str(cfg.experiment_name), ("job", "evaluation"))
         choice = choose(experiment.runs, as_typed(cfg, "dataset"), None if cfg.budget is None else str(cfg.budget))
         material = gather(papers, known, store, experiment, choice)
         subjects: list[PaperRuns | None] = [*material.papers, *([None] if cfg.paper is None else [])]

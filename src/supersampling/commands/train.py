@@ -1,6 +1,7 @@
 """The command ``train``: the classical baselines that a data set still lacks, then the configured job."""
 
 import copy
+import sys
 
 import torch
 from omegaconf import DictConfig, open_dict
@@ -8,7 +9,7 @@ from omegaconf import DictConfig, open_dict
 from supersampling import config
 from supersampling.runs.experiment import experiment_of
 from supersampling.runs.sanity import score_sanity
-from supersampling.training.check import check_training
+from supersampling.training.check import check_training, unread_jitter
 from supersampling.training.job import Job, data_files
 
 METHOD_KEYS = ("model", "tune")
@@ -21,6 +22,9 @@ def train(cfg: DictConfig) -> None:
         UserError: a setting, scene, store or device that the user can correct.
     """
     check_training(cfg)
+    warning = unread_jitter(cfg, config.choices()["model"])
+    if warning is not None:
+        sys.stderr.write(f"warning: {warning}\n")
     torch.set_num_threads(cfg.threads)
     experiment = experiment_of(cfg)
     jobs = [*baselines(cfg), (cfg, config.choices())]

@@ -25,11 +25,15 @@ class DataSource(ABC):
 class Files(DataSource):
     """Files that the user names; their scale has to be that of the task.
 
+    ``camera`` is ignored: it is of rendered data, and experiments set it whichever data they are combined with.
+
     Raises:
         UserError: a split has no file, or a file has a different scale.
     """
 
-    def __init__(self, scale: int, train: Sequence[str], val: Sequence[str], test: Sequence[str]) -> None:
+    def __init__(
+        self, scale: int, train: Sequence[str], val: Sequence[str], test: Sequence[str], camera: str | None = None
+    ) -> None:
         self._scale = scale
         self._paths = {"train": list(train), "val": list(val), "test": list(test)}
 

@@ -21,12 +21,14 @@ from numpy.typing import NDArray
 
 from supersampling.data.content import DIGEST, digest_of_attributes, read_text, write_text
 from supersampling.data.dataset_file import describe
-from supersampling.data.hdf5 import HDF5_ERRORS, MissingFile, errno_of, open_hdf5, reading
+from supersampling.data.hdf5 import MissingFile, errno_of, open_hdf5, reading
+from supersampling.data.output import OutputFile
 from supersampling.data.spec import CaptureSpec
 from supersampling.errors import DamagedFile, UserError, describe_system_error
 from supersampling.files import replace_file
 from supersampling.frames import BUFFERS
 
+VERSION = "v110"  # of HDF5's format: the first whose structures have checksums
 TILE = 64  # pixels; a 64 x 64 target crop touches at most four tiles
 HALF_MAX = 65504.0
 
@@ -48,8 +50,7 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)
 def _writing(path: Path) -> Iterator[None]:
     try:
         yield
-    # h5py raises RuntimeError if a flush fails.
-    except (OSError, RuntimeError) as error:
+    except OSError as error:
         code = errno_of(error)
         condition = describe_system_error(OSError(code, ""), path) if code and code not in _FULL else None
         if condition is not None:
@@ -75,7 +76,8 @@ class ClipWriter:
         self._next = dict.fromkeys(lengths, 0)
         self._hashes = {name: hashlib.sha256() for name in lengths}
         with _writing(path):
-            self._file = h5py.File(self._temporary, "w", libver="v110")
+            self._output = OutputFile(self._temporary)
+        self._file = h5py.File(self._output, "w", libver=VERSION)
 
     def add(self, name: str, values: NDArray[np.float32]) -> None:
         """Write the next frame of a buffer, ``(h, w, C)`` float32 in its range (``(2,)`` for jitter)."""
@@ -84,6 +86,7 @@ class ClipWriter:
             if self._next[name] == 0:
                 self._create(name, stored)
             self._file[name][self._next[name]] = stored
+            self._output.check()
         self._hashes[name].update(np.ascontiguousarray(stored).tobytes())
         self._next[name] += 1
 
@@ -98,11 +101,17 @@ class ClipWriter:
 
     def close(self) -> None:
         assert self._next == self._lengths, (self._next, self._lengths)
+        for name, digest in self._hashes.items():
+            write_text(self._file[name], DIGEST, digest.hexdigest())
         with _writing(self._path):
-            for name, digest in self._hashes.items():
-                write_text(self._file[name], DIGEST, digest.hexdigest())
-            self._file.close()
+            self._close_output()
             replace_file(self._temporary, self._path)
+
+    def _close_output(self) -> None:
+        """Close the file; raise `OSError` if not all of it could be written."""
+        with self._output:
+            self._file.close()
+            self._output.check()
 
     def __enter__(self) -> "ClipWriter":
         return self
@@ -110,12 +119,14 @@ class ClipWriter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if error is None:
-            self.close()
-            return
-        with suppress(*HDF5_ERRORS):  # of a full disk, which is reported already
-            self._file.close()
-        self._temporary.unlink(missing_ok=True)
+        try:
+            if error is None:
+                self.close()
+        finally:
+            if not self._output.closed:
+                with suppress(OSError):  # of a full disk, which is reported already
+                    self._close_output()
+            self._temporary.unlink(missing_ok=True)
 
 
 def _storage(frame: tuple[int, ...], dtype: np.dtype) -> dict[str, Any]:
@@ -153,7 +164,7 @@ def join_clips(
     """
     temporary = path.with_suffix(".h5.part")
     try:
-        with _writing(path), h5py.File(temporary, "w", libver="v110") as file:
+        with _writing(path), OutputFile(temporary) as output, h5py.File(output, "w", libver=VERSION) as file:
             if path.exists():
                 with open_hdf5(path) as old, reading(path, "a buffer"):
                     for name in sorted(old.keys()):
@@ -165,6 +176,8 @@ def join_clips(
             digests = {name: read_text(file[name], DIGEST) for name in file}
             for key, value in sorted({**texts, DIGEST: digest_of_attributes(texts, digests)}.items()):
                 write_text(file, key, value)
+            file.close()
+            output.check()
         with _writing(path):
             replace_file(temporary, path)
     finally:

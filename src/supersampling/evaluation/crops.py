@@ -30,19 +30,24 @@ def _image(values: Tensor) -> Image.Image:
     return Image.fromarray(np.ascontiguousarray(array))
 
 
+def corner_of_crop(frame: ScoredFrame) -> tuple[tuple[int, int], int]:
+    """Return the top left ``(y, x)`` and the side of a frame's crop."""
+    size = min(SIZE, *frame.target.shape[-2:])
+    return detailed_corner(frame.target, size), size
+
+
 def save_crops(frame: ScoredFrame, folder: Path, index: int) -> None:
     """Write ``crops/<index>_<scene>{,_input,_target}.png`` of one scored frame, and
     ``state/<index>_<scene>_<name>.png`` of its pictures at the same position."""
-    size = min(SIZE, *frame.target.shape[-2:])
-    y, x = detailed_corner(frame.target, size)
+    (y, x), size = corner_of_crop(frame)
     scale = frame.target.shape[-1] // frame.color.shape[-1]
     raw = repeat_upsample(frame.color, scale)
     stem = f"{index}_{file_name(frame.name.scene)}"
     for suffix, picture in (("", frame.output), ("_input", raw), ("_target", frame.target)):
         _image(picture[..., y : y + size, x : x + size]).save(folder / "crops" / f"{stem}{suffix}.png")
     for name, picture in frame.pictures.items():
-        grey = picture.expand(-1, 3, -1, -1)[..., y : y + size, x : x + size]
-        _image(grey).save(folder / "state" / f"{stem}_{name}.png")
+        image = picture.expand(-1, 3, -1, -1)[..., y : y + size, x : x + size]
+        _image(image).save(folder / "state" / f"{stem}_{name}.png")
 
 
 def save_epipolar(plane: EpipolarPlane, folder: Path, stem: str) -> None:

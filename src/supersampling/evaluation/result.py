@@ -9,15 +9,16 @@ from pathlib import Path
 
 import pandas as pd
 
-from supersampling.evaluation.crops import file_name, save_crops, save_epipolar, strip
+from supersampling.evaluation.crops import corner_of_crop, file_name, save_crops, save_epipolar, strip
 from supersampling.evaluation.protocol import Protocol
 from supersampling.evaluation.score import ScoredFrame, evaluation_requires, score, whole_clips
+from supersampling.evaluation.steps import Steps
 from supersampling.metrics import scores
 from supersampling.metrics.selection import Metrics
 from supersampling.metrics.video.epipolar import EpipolarPlane
 from supersampling.models.base import Upsampler
 
-PICTURES = ("crops", "epipolar", "state")
+PICTURES = ("crops", "epipolar", "state", "steps")
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Result:
         return means
 
     def write(self, folder: Path) -> None:
-        """Write ``frames.parquet`` (see `scores`), ``crops/``, ``crops.png``, ``epipolar/`` and ``state/``."""
+        """Write ``frames.parquet`` (see `scores`), ``crops/``, ``crops.png``, ``epipolar/``, ``state/``, ``steps/``."""
         scores.write_scores(folder / scores.FILE, scores.Scores.with_scene_means(self.frames, self.clips))
         for kind in PICTURES:
             shutil.copytree(Path(self.pictures.name) / kind, folder / kind)
@@ -84,19 +85,22 @@ def collect(scored: Iterable[ScoredFrame], warm_up: int) -> Result:
     frame_rows: list[dict] = []
     clip_rows: list[dict] = []
     scenes: list[str] = []
-    plane = EpipolarPlane()
+    plane, steps = EpipolarPlane(), Steps()
     for frame in scored:
         frame_rows.append({**frame.place, **frame.scores})
         if frame.name.clip == 0:
             if frame.index == 0:
-                plane = EpipolarPlane()
+                plane, steps = EpipolarPlane(), Steps()
             plane.add(frame.output, frame.target)
+            steps.add(frame)
         if frame.index < frame.length - 1:
             continue
         clip_rows.append({"scene": frame.name.scene, "clip": frame.name.clip, **frame.clip_scores})
         if frame.name.clip == 0:
             save_crops(frame, folder, len(scenes))
-            save_epipolar(plane, folder / "epipolar", f"{len(scenes)}_{file_name(frame.name.scene)}")
+            stem = f"{len(scenes)}_{file_name(frame.name.scene)}"
+            save_epipolar(plane, folder / "epipolar", stem)
+            steps.save(folder / "steps", stem, *corner_of_crop(frame))
             scenes.append(frame.name.scene)
     frames = pd.DataFrame(frame_rows)
     counted = frames[frames["frame"] >= warm_up].drop(columns="frame")

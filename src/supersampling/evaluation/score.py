@@ -22,12 +22,15 @@ from supersampling.metrics.prepare import HIGHEST_RADIANCE, bounded
 from supersampling.metrics.selection import Metrics
 from supersampling.models.base import Upsampler
 
+PICTURED_FRAMES = 8  # at the end of a scene's first clip
+
 
 @dataclass(frozen=True, kw_only=True)
 class ScoredFrame:
     """The output for one frame with its input, target and scores; images are whole, all tensors ``(1, C, ., .)``.
 
-    A clip's last frame also has ``clip_scores``, the values of the whole clip, and ``pictures`` of the method's state.
+    A clip's last frame also has ``clip_scores``, the values of the whole clip, and ``pictures`` of the method's state
+    and of what it computes. The last frames of a scene's first clip have the ``pictures`` named in ``over_time``.
     """
 
     name: ClipName
@@ -39,6 +42,8 @@ class ScoredFrame:
     scores: dict[str, float]
     clip_scores: Mapping[str, float] = field(default_factory=dict)
     pictures: Mapping[str, Tensor] = field(default_factory=dict)
+    over_time: frozenset[str] = frozenset()
+    jitter: Tensor = field(default_factory=lambda: torch.zeros(1, 2))
 
     @property
     def place(self) -> dict[str, str | int]:
@@ -81,6 +86,11 @@ def _score_clip(
         for t, buffers in enumerate(clips.read_frames(index)):
             batch = {name: values[None].to(device) for name, values in buffers.items()}
             frame = Frame.from_clip(batch, 0)
+            last = t == length - 1
+            pictures = {}
+            if clips.name(index).clip == 0 and (last or (model.over_time and t >= length - PICTURED_FRAMES)):
+                images = model.pictured(frame, state)
+                pictures = {name: image for name, image in images.items() if last or name in model.over_time}
             upsampled, state = model(frame, state)
             target = batch["target"][:, 0]
             output = protocol.prepare(model.present(upsampled, frame), target)
@@ -100,7 +110,6 @@ def _score_clip(
             scores = metrics.frames(moment)
             if t >= protocol.warm_up:
                 scoring.add(moment)
-            last = t == length - 1
             previous = (output, target)
             yield ScoredFrame(
                 name=clips.name(index),
@@ -111,7 +120,9 @@ def _score_clip(
                 output=output,
                 scores=scores,
                 clip_scores=scoring.finish() if last else {},
-                pictures=model.state_images(state) if last else {},
+                pictures={**pictures, **model.state_images(state)} if last else pictures,
+                over_time=model.over_time & set(pictures),
+                jitter=batch["jitter"][:, 0] if "jitter" in batch else torch.zeros(1, 2),
             )
 
 

@@ -25,12 +25,20 @@ class Upsampler(nn.Module, ABC, Generic[State]):
 
     ``requires`` names the buffers that are read, ``compares`` those from which `reference` is computed in training.
     ``extremes`` are the gates that stress tests hold open or shut; stages declare theirs in the same way.
+    ``over_time`` names those of `step_images` that are drawn over consecutive frames.
     """
 
     scale: int
     requires: frozenset[str]
     compares: frozenset[str] = frozenset({"target"})
     extremes: tuple[Gate, ...] = ()
+    over_time: frozenset[str] = frozenset()
+
+    @property
+    def reads_jitter(self) -> bool:
+        """Whether the model knows where in its pixel a sample was taken; samples of other places misalign one that
+        does not."""
+        return "jitter" in self.requires
 
     def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
         """Return what outputs are compared with in training, ``(B, T, 3, H, W)``, from ``compares`` buffers."""
@@ -48,6 +56,14 @@ class Upsampler(nn.Module, ABC, Generic[State]):
         """Return the parts of a state that are worth looking at: images ``(B, 1, H, W)`` in [0, 1], by name."""
         return {}
 
+    def step_images(self, frame: Frame, state: State | None) -> Mapping[str, Tensor]:
+        """Return what the step from ``state`` to this frame computes on its way and is worth looking at.
+
+        Images ``(B, 1, H, W)`` or ``(B, 3, H, W)`` in [0, 1] by name, for pictures only: what `forward` computes may be
+        computed again.
+        """
+        return {}
+
     @abstractmethod
     def forward(self, frame: Frame, state: State | None) -> tuple[Tensor, State]: ...
 
@@ -62,6 +78,11 @@ class Upsampler(nn.Module, ABC, Generic[State]):
     def advance(self, frame: Frame, state: State | None) -> State:
         """Return the new state only, for a frame whose output is not used."""
         return self.forward_state(frame.repair(), state)
+
+    @final
+    def pictured(self, frame: Frame, state: State | None) -> Mapping[str, Tensor]:
+        """Return `step_images` of the repaired frame; ``state`` is the one before it."""
+        return self.step_images(frame.repair(), state)
 
     def __call__(self, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         result: Any = super().__call__(frame.repair(), state)

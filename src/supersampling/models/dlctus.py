@@ -1,6 +1,5 @@
 """DLCTUS: a network controls history rectification and accumulation (Swensen 2021, chapter 4 and appendix A.1)."""
 
-import copy
 from abc import ABC
 from typing import final
 
@@ -29,6 +28,20 @@ def pad_to_blocks(x: Tensor) -> Tensor:
     return F.pad(x, (0, right, 0, below), mode="replicate") if below or right else x
 
 
+class ResidualBlock(nn.Sequential):
+    """Two 3x3 convolutions with a ReLU between, added to their input (figure 5): ``(B, 32, h, w)`` on both sides."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            nn.Conv2d(WIDTH, WIDTH, 3, padding=1, padding_mode="replicate"),
+            nn.ReLU(inplace=True),
+            nn.Conv2d(WIDTH, WIDTH, 3, padding=1, padding_mode="replicate"),
+        )
+
+    def forward(self, input: Tensor) -> Tensor:
+        return input + super().forward(input)
+
+
 class Trunk(nn.Module):
     """The network of figure 5: ``(B, C, H, W) -> (B, 2, H, W)``, of any size; 78,112 parameters at C = 8.
 
@@ -39,21 +52,15 @@ class Trunk(nn.Module):
     def __init__(self, channels: int) -> None:
         super().__init__()
         self.down = nn.Conv2d(channels, WIDTH, STRIDE, stride=STRIDE)
-        self.blocks = nn.ModuleList(
-            nn.Sequential(
-                nn.Conv2d(WIDTH, WIDTH, 3, padding=1, padding_mode="replicate"),
-                nn.ReLU(inplace=True),
-                nn.Conv2d(WIDTH, WIDTH, 3, padding=1, padding_mode="replicate"),
-            )
-            for _ in range(4)
-        )
+        self.blocks = nn.ModuleList(ResidualBlock() for _ in range(4))
+        self.up = nn.PixelShuffle(STRIDE)
 
     def forward(self, x: Tensor) -> Tensor:
         height, width = x.shape[-2:]
         x = self.down(pad_to_blocks(x))
         for block in self.blocks:
-            x = x + block(x)
-        return F.pixel_shuffle(x, STRIDE)[..., :height, :width]
+            x = block(x)
+        return self.up(x)[..., :height, :width]
 
     def output_layers(self) -> list[nn.Conv2d]:
         """Return the last convolution of every residual block: with ``down``, the layers whose sum is the output."""
@@ -90,6 +97,12 @@ class Blending(Upsampler[Tensor], ABC):
         height, width = aligned.shape[-2:]
         motion = upsample_motion(self.dilate(motion, frame.depth), (height, width))
         return aligned, self.pad(self.reproject(state, motion), aligned, motion)
+
+    def prepare_input(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
+        """Return the network's input, and what `prepare` returns: the thesis's input preparation (4.4.1)."""
+        sparse = zero_upsample(*self.samples(frame), self.scale)
+        aligned, history = self.prepare(frame, state)
+        return torch.cat((sparse, history), dim=1), aligned, history
 
     def construct(self, aligned: Tensor, history: Tensor, predicted: Tensor) -> Tensor:
         """Return the new history (4.1.4), ``(B, C, ...)`` like the old one, from the network's output ``(B, 2, ...)``.
@@ -149,86 +162,12 @@ class DLCTUS(Blending):
         initialise(self.network.down, self.network.output_layers(), confine)
 
     def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
-        sparse = zero_upsample(*self.samples(frame), self.scale)
-        aligned, history = self.prepare(frame, state)
-        history = self.construct(aligned, history, self.network(torch.cat((sparse, history), dim=1)))
+        x, aligned, history = self.prepare_input(frame, state)
+        history = self.construct(aligned, history, self.network(x))
         return history[:, :3], history
 
-    def for_inference(self) -> "DLCTUSForInference":
+    def for_inference(self) -> Upsampler[Tensor]:
         """Return a copy with the thesis's two rewrites (4.4.4): the same outputs and states up to rounding."""
+        from supersampling.models.dlctus_inference import DLCTUSForInference
+
         return DLCTUSForInference(self)
-
-
-@final
-class DLCTUSForInference(Blending):
-    """DLCTUS as the thesis deploys it (4.4.4); its outputs and states equal those of the plain form up to rounding.
-
-    Optimisation 1: no pixel shuffle. Output construction reads the network's 32 channels in place, as a view.
-    Optimisation 2: the 4x4 convolution of stride 4 becomes a space-to-depth and a 1x1 convolution with the same
-    weights. The reordering takes no separate pass: input preparation writes the network's input in that order. The
-    thesis then has to shuffle the history back for output construction; here it is also kept in image order, which
-    avoids that.
-
-    Args:
-        model: the plain form, which is copied.
-    """
-
-    def __init__(self, model: DLCTUS) -> None:
-        model = copy.deepcopy(model)
-        super().__init__(model.scale, model.reproject, model.dilate, model.pad, model.accumulate, model.confine)
-        plain = model.network.down
-        # The order of pixel_unshuffle: channel, row, column.
-        self.down: nn.Conv2d = nn.utils.skip_init(
-            nn.Conv2d, plain.in_channels * STRIDE**2, WIDTH, 1, device=plain.weight.device, dtype=plain.weight.dtype
-        )
-        self.down.load_state_dict({"weight": plain.weight.reshape(WIDTH, -1, 1, 1), "bias": plain.bias})
-        self.blocks = model.network.blocks
-        self.train(model.training)
-
-    def forward(self, frame: Frame, state: Tensor | None) -> tuple[Tensor, Tensor]:
-        samples, jitter = self.samples(frame)
-        aligned, history = self.prepare(frame, state)
-        height, width = aligned.shape[-2:]
-        aligned, history = in_blocks(pad_to_blocks(aligned)), in_blocks(pad_to_blocks(history))
-
-        # Optimisation 2
-        sparse = sparse_blocks(samples, jitter, self.scale)
-        x = self.down(torch.cat((sparse, space_to_depth(history)), dim=1).flatten(1, 3))
-        for block in self.blocks:
-            x = x + block(x)
-
-        # Optimisation 1
-        predicted = depth_to_space(x.unflatten(1, (2, STRIDE, STRIDE)))
-        history = self.construct(aligned, history, predicted)
-        history = history.flatten(4, 5).flatten(2, 3)[..., :height, :width]
-        return history[:, :3], history
-
-
-def in_blocks(image: Tensor) -> Tensor:
-    """Return a view ``(B, C, H / 4, 4, W / 4, 4)`` of an image ``(B, C, H, W)``."""
-    return image.unflatten(3, (-1, STRIDE)).unflatten(2, (-1, STRIDE))
-
-
-def space_to_depth(blocks: Tensor) -> Tensor:
-    """Return a view ``(B, C, 4, 4, H / 4, W / 4)`` of ``(B, C, H / 4, 4, W / 4, 4)``."""
-    return blocks.permute(0, 1, 3, 5, 2, 4)
-
-
-def depth_to_space(blocks: Tensor) -> Tensor:
-    """Return a view ``(B, C, H / 4, 4, W / 4, 4)`` of ``(B, C, 4, 4, H / 4, W / 4)``."""
-    return blocks.permute(0, 1, 4, 2, 5, 3)
-
-
-def sparse_blocks(image: Tensor, jitter: Tensor, scale: int) -> Tensor:
-    """Return `zero_upsample` of ``(B, C, h, w)``, padded, in space-to-depth order: ``(B, C, 4, 4, H / 4, W / 4)``.
-
-    At the thesis's scales, 2 and 4, a block holds whole low-resolution pixels, and is written in that order directly.
-    """
-    b, _, h, w = image.shape
-    pixels = STRIDE // scale  # per block, on each axis
-    if STRIDE % scale or h % pixels or w % pixels:
-        return space_to_depth(in_blocks(pad_to_blocks(zero_upsample(image, jitter, scale))))
-    hit = zero_upsample(image.new_ones(b, 1, 1, 1), jitter, scale) > 0.0  # (B, 1, s, s)
-    grouped = image.unflatten(3, (-1, pixels)).unflatten(2, (-1, pixels)).permute(0, 1, 3, 5, 2, 4)
-    spread = torch.where(hit[:, :, None, :, None, :, None, None], grouped[:, :, :, None, :, None], image.new_zeros(()))
-    return spread.flatten(4, 5).flatten(2, 3)

@@ -90,6 +90,7 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
         kernel_prediction: called with the initial kernels of the first and of the last convolution, returns the stage.
     """
 
+    over_time = frozenset({"mask"})  # figure 6
     extremes = (
         Gate("gate/mask 0", "ENSS: the candidate is not used.", bias_at(SHUT, lambda m: m.bias_of("mask"))),
         Gate("gate/mask 1", "ENSS: the previous output is not used.", bias_at(OPEN, lambda m: m.bias_of("mask"))),
@@ -127,6 +128,16 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
             self.requires |= flow.requires
 
     def forward(self, frame: Frame, state: tuple[Tensor, ...] | None) -> tuple[Tensor, tuple[Tensor, ...]]:
+        output, carried = self.history(*self._predict(frame, state))
+        if not self.history.carried:
+            return output, ()
+        return output, (carried, *self.flow.remember(frame))
+
+    def step_images(self, frame: Frame, state: tuple[Tensor, ...] | None) -> dict[str, Tensor]:
+        return self.history.images(*self._predict(frame, state))
+
+    def _predict(self, frame: Frame, state: tuple[Tensor, ...] | None) -> tuple[Tensor, Tensor, Tensor | None]:
+        """Return the candidate ``(B, 3, H, W)``, the other predicted planes, and the warped history (eq 2)."""
         color, depth, jitter = frame.need("color", "depth", "jitter")
         planes = jitter[..., None, None].expand(-1, -1, *color.shape[-2:])
         inputs = [color, depth, planes]
@@ -138,10 +149,7 @@ class ENSS(Upsampler[tuple[Tensor, ...]]):
         predicted = self.network(torch.cat(inputs, dim=1), jitter)  # eq 2
         # Blending and history stay in full precision under autocast: rounding errors would add up over frames.
         predicted = F.pixel_shuffle(predicted.to(color.dtype), self.scale)
-        output, carried = self.history(self.confine(predicted[:, :3]), predicted[:, 3:], previous)
-        if not self.history.carried:
-            return output, ()
-        return output, (carried, *self.flow.remember(frame))
+        return self.confine(predicted[:, :3]), predicted[:, 3:], previous
 
     def _previous(self, frame: Frame, state: tuple[Tensor, ...] | None) -> Tensor:
         """Return the history warped to this frame, ``(B, carried, H, W)``: the warping module (section 4.1)."""

@@ -1,4 +1,4 @@
-"""JAU: jitter-aligned bilinear upsampling of the current frame only (Swensen 2021, 4.1.1)."""
+"""JAU: jitter-aligned upsampling of the current frame only (Swensen 2021, 4.1.1)."""
 
 from typing import final
 
@@ -23,3 +23,18 @@ class JAU(Upsampler[None]):
         color, jitter = frame.need("color", "jitter")
         # Interpolation of values in [0, 1] may leave the range by a rounding step.
         return jitter_aligned_upsample(color, jitter, self.scale).clamp(0.0, 1.0), None
+
+
+@final
+class BicubicJAU(Upsampler[None]):
+    """JAU with bicubic interpolation (``a = -0.75``), which the thesis's figure 4 compares with the bilinear one."""
+
+    requires = frozenset({"color", "jitter"})
+
+    def __init__(self, scale: int) -> None:
+        super().__init__()
+        self.scale = check_scale(scale)
+
+    def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
+        color, jitter = frame.need("color", "jitter")
+        return jitter_aligned_upsample(color, jitter, self.scale, mode="bicubic").clamp(0.0, 1.0), None

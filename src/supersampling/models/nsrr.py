@@ -46,6 +46,10 @@ class Previous(nn.Module, ABC):
     def advance(self, samples: Tensor, frame: Frame, state: State | None) -> State:
         """Return the new state only."""
 
+    @abstractmethod
+    def images(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> dict[str, Tensor]:
+        """Return what is worth looking at by name, ``(B, 1, H, W)`` in [0, 1]; arguments as in `forward`."""
+
 
 @final
 class NoPreviousFrames(Previous):
@@ -62,6 +66,9 @@ class NoPreviousFrames(Previous):
 
     def advance(self, samples: Tensor, frame: Frame, state: State | None) -> State:
         return ()
+
+    def images(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> dict[str, Tensor]:
+        return {}
 
 
 @final
@@ -90,12 +97,20 @@ class PreviousFrames(Previous):
 
     def forward(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         window, state = self._warp_window(samples, frame, state)
-        past = self.warp_at.leave(window, frame.need("jitter"), self.scale, self.upsample)
-        past = self.reweight(current, past.unflatten(1, (self.previous, -1)))
+        past = self.reweight(current, self._past(window, frame))
         return torch.cat((current, past.flatten(1, 2)), dim=1), state
 
     def advance(self, samples: Tensor, frame: Frame, state: State | None) -> State:
         return self._warp_window(samples, frame, state)[1]
+
+    def images(self, current: Tensor, samples: Tensor, frame: Frame, state: State | None) -> dict[str, Tensor]:
+        window, _ = self._warp_window(samples, frame, state)
+        return self.reweight.images(current, self._past(window, frame))
+
+    def _past(self, window: Tensor, frame: Frame) -> Tensor:
+        """Return the warped previous frames ``(B, n, C, H, W)`` at target resolution."""
+        past = self.warp_at.leave(window, frame.need("jitter"), self.scale, self.upsample)
+        return past.unflatten(1, (self.previous, -1))
 
     def _warp_window(self, samples: Tensor, frame: Frame, state: State | None) -> tuple[Tensor, State]:
         """Return the window warped to this frame, and the new state, with this frame in front."""
@@ -179,6 +194,11 @@ class NSRR(Upsampler[State]):
         current = self.upsample(self.extract(samples), frame.need("jitter"), self.scale)
         features, state = self.previous_frames(current, samples, frame, state)
         return self.base(self.reconstruct(features), samples[:, :3], frame), state
+
+    def step_images(self, frame: Frame, state: State | None) -> dict[str, Tensor]:
+        samples = self._samples(frame)
+        current = self.upsample(self.extract(samples), frame.need("jitter"), self.scale)
+        return self.previous_frames.images(current, samples, frame, state)
 
     def _samples(self, frame: Frame) -> Tensor:
         """Return this frame's inputs ``(B, 4 + guides, h, w)``: colour, depth, guides."""

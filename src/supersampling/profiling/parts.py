@@ -105,8 +105,9 @@ def _modules(module: nn.Module) -> Iterator[tuple[str, nn.Module]]:
             yield name, child
             yield from _modules(child)
             continue
-        for inner, module_of_list in _modules(child):
-            yield f"{name}.{inner}" if inner in child._modules else inner, module_of_list
+        for index, item in child.named_children():
+            yield f"{name}.{index}", item
+            yield from _modules(item)
 
 
 def _methods(model: Upsampler) -> Iterator[tuple[str, str, Any]]:

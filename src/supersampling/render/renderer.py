@@ -90,7 +90,7 @@ class Renderer:
         if contents.motion:
             motion = g.read("motion")
             out |= {"motion": motion[..., :2]} if "motion" in buffers else {}
-            out |= {"motion_dual": self._dual(shot, scale, jitter, motion)} if dual else {}
+            out |= {"motion_dual": self._dual(shot, scale, jitter, mip_bias, motion)} if dual else {}
         return out
 
     def preview(self, shot: Shot, scale: int) -> dict[str, Image]:
@@ -145,14 +145,17 @@ class Renderer:
             mean = self._passes.average(g, _REFERENCE.get(name, "extracted"), samples)
             yield name, mean[..., : BUFFERS[name].channels]
 
-    def _dual(self, shot: Shot, scale: int, jitter: tuple[float, float], motion: Image) -> Image:
-        """Return dual motion vectors: the previous frame is drawn with its motion to this frame."""
+    def _dual(self, shot: Shot, scale: int, jitter: tuple[float, float], mip_bias: float, motion: Image) -> Image:
+        """Return dual motion vectors: the previous frame is drawn with its motion to this frame.
+
+        Its alpha-tested surfaces need the frame's own mip bias: coarser levels dissolve leaves that the frame shows.
+        """
         window = shot.window
         margin = scale * (max(window.width, window.height) // (4 * scale))
         wide = window.grown(margin)
         back = Shot(shot.previous_camera, shot.camera, shot.previous_seconds, shot.seconds, wide)
         view = self._view(back, wide, (wide.width // scale, wide.height // scale), (0.0, 0.0))
-        g = self._passes.surface(view, 0.0, Contents(motion=True))
+        g = self._passes.surface(view, mip_bias, Contents(motion=True))
         depth = g.read("depth")
         near, far = self.scene.near, self.scene.far
         seen = np.where(depth < 1.0, near + (far - near) * depth, np.float32(np.inf))

@@ -12,66 +12,110 @@ from typing import Generic, TypeVar
 from supersampling.reporting.papers.schema import Selection
 from supersampling.reporting.settings import Choice, Setting, newest
 from supersampling.runs.keys import compared_parameters
+from supersampling.runs.relation import SCENES, TRAINED, in_order
 from supersampling.runs.store import Run
 
 RESULT_SETTINGS = compared_parameters()
+COMPARED = (*RESULT_SETTINGS, *(f"{TRAINED}{name}" for name in RESULT_SETTINGS), f"{TRAINED}data")
 # Settings that a data set and a budget derive from the task.
 FOLLOWS_TASK = {"data.train", "budget.crop"}
+# What a selection says of the training data.
+TRAINING_DATA = (f"{TRAINED}data", SCENES)
 Key = TypeVar("Key", bound=Hashable)
 Settings = dict[str, str]
 Variant = tuple[tuple[str, str], ...]
+Pools = dict[Setting, list[Run]]
 
 
 def matches(run: Run, selection: Selection) -> bool:
     """Return whether every named parameter has the selected value, or one of ``first|second``.
 
-    Numbers compare as numbers.
+    Numbers compare as numbers. A plain name is what was scored, ``trained.<name>`` what was trained. An evaluation
+    matches only a selection that asks for evaluations.
     """
-    return all(any(_same(run.params.get(name), v) for v in value.split("|")) for name, value in selection.items())
+    if run.kind == "evaluation" and not asks_for_evaluations(selection):
+        return False
+    return all(any(_has(run, name, v) for v in value.split("|")) for name, value in selection.items())
+
+
+def _has(run: Run, name: str, requested: str) -> bool:
+    value = run.parameter(name)
+    if value is not None and name.endswith("data.scenes"):
+        return in_order(value) == in_order(requested)
+    return _same(value, requested)
+
+
+def asks_for_evaluations(selection: Selection) -> bool:
+    """Return whether a selection reads evaluations beside trainings: it relates what was scored to the training."""
+    return any(name == SCENES or name.startswith(TRAINED) for name in selection)
 
 
 def pools_for(choice: Choice, selections: Iterable[Selection], prefer: Selection) -> list[tuple[Setting, list[Run]]]:
     """Return the pools that can fill any of the selections, those of the preferred parameters first.
 
     If the selections differ in the task (``task.scale`` 2 and 4), no data set holds them all: then the pools of one
-    preset, its scenes and one budget count as one, with a data set for each task.
+    preset, its scenes and one budget count as one, with a data set for each task. If they differ in the training data
+    (``trained.data.camera``, ``test.scenes``), the pools of one test data set count as one. Of pools with evaluations
+    those come first that fill most selections.
     """
     requested = list(selections)
-    pools = _across_tasks(choice) if _sweep_tasks(requested) else list(choice.pools.items())
-    pools.sort(key=lambda item: not all(matches(run, prefer) for run in item[1]))
-    return [
-        (setting, runs)
-        for setting, runs in pools
-        if any(matches(run, selection) for run in runs for selection in requested)
-    ]
+    tested = any(map(asks_for_evaluations, requested))
+    pools = choice.tested if tested else choice.pools
+    if _differ(requested, TRAINING_DATA):
+        pools = _across_trainings(pools)
+    if _differ(requested, ("task.",)):
+        pools = _across_tasks(pools)
+    counts = {
+        setting: sum(any(matches(run, selection) for run in runs) for selection in requested)
+        for setting, runs in pools.items()
+    }
+    candidates = [item for item in pools.items() if counts[item[0]]]
+    if tested:
+        candidates.sort(key=lambda item: -counts[item[0]])
+    candidates.sort(key=lambda item: not all(matches(run, prefer) for run in item[1]))
+    return candidates
 
 
-def _sweep_tasks(selections: Iterable[Selection]) -> bool:
-    """Return whether the selections name different tasks."""
-    tasks = [{item for item in selection.items() if item[0].startswith("task.")} for selection in selections]
-    return any(task != tasks[0] for task in tasks)
+def _differ(selections: Iterable[Selection], beginnings: tuple[str, ...]) -> bool:
+    """Return whether the selections name different values of parameters that begin so."""
+    named = [{item for item in selection.items() if item[0].startswith(beginnings)} for selection in selections]
+    return any(items != named[0] for items in named)
 
 
-def _across_tasks(choice: Choice) -> list[tuple[Setting, list[Run]]]:
-    groups: dict[tuple[str, str], dict[tuple[tuple[str, str], ...], Setting]] = defaultdict(dict)
-    for setting, runs in choice.pools.items():
+def _across_trainings(pools: Pools) -> Pools:
+    groups: dict[Setting, dict[Setting, list[Run]]] = defaultdict(dict)
+    for setting, runs in pools.items():
+        groups[replace(setting, trained="")][setting] = runs
+    joined: Pools = {}
+    for setting, members in groups.items():
+        trained = "; or with ".join(member.trained for member in members if member.trained)
+        by_id = {run.id: run for runs in members.values() for run in runs}
+        joined[replace(setting, trained=trained)] = list(by_id.values())
+    return joined
+
+
+def _across_tasks(pools: Pools) -> Pools:
+    groups: dict[tuple[str, str, str], dict[tuple[tuple[str, str], ...], Setting]] = defaultdict(dict)
+    for setting, runs in pools.items():
         task = tuple(sorted(item for item in runs[0].params.items() if item[0].startswith("task.")))
-        groups[setting.data, setting.scenes].setdefault(task, setting)
-    return [
-        (_joined(list(members.values())), [run for setting in members.values() for run in choice.pools[setting]])
+        groups[setting.data, setting.scenes, setting.trained].setdefault(task, setting)
+    return {
+        joined(list(members.values())): [run for setting in members.values() for run in pools[setting]]
         for members in groups.values()
-    ]
+    }
 
 
-def _joined(settings: Sequence[Setting]) -> Setting:
-    def joined(values: Iterable[str]) -> str:
+def joined(settings: Sequence[Setting]) -> Setting:
+    """Return several settings as one that names the data sets, scales and mip biases of all."""
+
+    def listed(values: Iterable[str]) -> str:
         return ", ".join(dict.fromkeys(values))
 
     return replace(
         settings[0],
-        dataset=joined(s.dataset for s in settings),
-        scale=joined(sorted(s.scale for s in settings)),
-        mip_bias=joined(s.mip_bias for s in settings),
+        dataset=listed(s.dataset for s in settings),
+        scale=listed(sorted(s.scale for s in settings)),
+        mip_bias=listed(s.mip_bias for s in settings),
         # All are of one budget, or untrained.
         budget=max(s.budget for s in settings),
     )
@@ -96,8 +140,10 @@ def choose_runs(runs: Sequence[Run], selections: Mapping[Key, Selection]) -> Sel
     swept -= {
         name for name in swept if len(values := {s.get(name) for s in selections.values()}) == 1 and "|" in str(values)
     }
-    if _sweep_tasks(selections.values()):
+    if _differ(selections.values(), ("task.",)):
         swept |= FOLLOWS_TASK
+    if _differ(selections.values(), TRAINING_DATA):
+        swept.add(f"{TRAINED}data")
     candidates = {key: [run for run in runs if matches(run, selection)] for key, selection in selections.items()}
     leaders = _leaders(candidates, swept)
     cells: dict[Key, list[Run]] = {}
@@ -121,7 +167,7 @@ def configurations(runs: Iterable[Run], without: Iterable[str] = ()) -> list[lis
 
 
 def settings(run: Run, without: Iterable[str] = ()) -> Settings:
-    """Return the parameters that can change a result of the run's model.
+    """Return the parameters that can change a result of the run's model, those that an exchange replaced included.
 
     Left out are the names in ``without`` and what belongs to them (``name.x``); runs of one model agree in ``model.x``
     also if ``model`` is named.
@@ -131,7 +177,7 @@ def settings(run: Run, without: Iterable[str] = ()) -> Settings:
     return {
         name: value
         for name, value in sorted(run.params.items())
-        if name.startswith(RESULT_SETTINGS) and name not in skipped and not name.startswith(inner)
+        if name.startswith(COMPARED) and name not in skipped and not name.startswith(inner)
     }
 
 
@@ -173,7 +219,15 @@ def _leaders(candidates: Mapping[Key, Sequence[Run]], swept: set[str]) -> dict[s
 
 
 def _agree(first: Settings, second: Settings) -> bool:
-    return all(_same(value, second[name]) for name, value in first.items() if name in second)
+    """Return whether two runs have no setting in which both differ; what was trained is what was scored unless it is
+    named."""
+    names = first.keys() | second.keys()
+    pairs = [(_value(first, name), _value(second, name)) for name in names]
+    return all(_same(a, b) for a, b in pairs if a is not None and b is not None)
+
+
+def _value(settings: Settings, name: str) -> str | None:
+    return settings.get(name, settings.get(name.removeprefix(TRAINED)))
 
 
 def _same(value: str | None, requested: str) -> bool:

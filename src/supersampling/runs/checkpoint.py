@@ -92,16 +92,24 @@ def build(model: Mapping[str, Any], source: str, **constants: float) -> Upsample
     return result
 
 
+def trained_state(checkpoint: Path) -> dict[str, Any]:
+    """Return the weights of a training checkpoint by name (safe loading; no code is run).
+
+    Raises:
+        UserError: the file is missing or damaged, or is not a checkpoint.
+    """
+    weights = load_checkpoint(checkpoint)["state_dict"]
+    return {name.removeprefix(PREFIX): value for name, value in weights.items() if name.startswith(PREFIX)}
+
+
 def load_weights(model: Upsampler, checkpoint: Path) -> None:
     """Load the weights of a training checkpoint into ``model`` (safe loading; no code is run).
 
     Raises:
         UserError: the file is missing or damaged, is not a checkpoint, or holds another model.
     """
-    weights = load_checkpoint(checkpoint)["state_dict"]
-    state = {name.removeprefix(PREFIX): value for name, value in weights.items() if name.startswith(PREFIX)}
     try:
-        model.load_state_dict(state)
+        model.load_state_dict(trained_state(checkpoint))
     except RuntimeError as error:
         reason = first_line(error)
         raise UserError(

@@ -51,22 +51,27 @@ def logged(runs: Sequence[Run], metric: str) -> Estimate | None:
     return Estimate(float(np.mean(values)), math.nan, math.nan, 0) if values else None
 
 
-def difference(first: Sequence[Run], second: Sequence[Run], metric: str, tables: ClipTables) -> Estimate | None:
-    """Return ``first - second`` paired over the clips that both have; ``None`` without such clips."""
+def difference(
+    first: Sequence[Run], second: Sequence[Run], metric: str, tables: ClipTables, times: float = 1.0
+) -> Estimate | None:
+    """Return ``times * first - second`` paired over the clips that both have; ``None`` without such clips."""
     pair = _common_scores(first, second, metric, tables)
     if pair is None:
         return None
     a, b = pair
-    return paired_difference(a.to_numpy().T, b.to_numpy().T, scenes_of(a))
+    return paired_difference(times * a.to_numpy().T, b.to_numpy().T, scenes_of(a))
 
 
-def scene_differences(first: Sequence[Run], second: Sequence[Run], metric: str, tables: ClipTables) -> dict[str, float]:
-    """Return each scene's mean of ``first - second`` over its clips and the seeds; empty without common clips."""
+def scene_differences(
+    first: Sequence[Run], second: Sequence[Run], metric: str, tables: ClipTables, times: float = 1.0
+) -> dict[str, float]:
+    """Return each scene's mean of ``times * first - second`` over its clips and the seeds; empty without common
+    clips."""
     pair = _common_scores(first, second, metric, tables)
     if pair is None:
         return {}
     a, b = pair
-    means = (a.mean(axis=1) - b.mean(axis=1)).groupby(level="scene").mean()
+    means = (times * a.mean(axis=1) - b.mean(axis=1)).groupby(level="scene").mean()
     return {str(scene): float(value) for scene, value in means.items()}
 
 

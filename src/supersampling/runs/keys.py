@@ -49,6 +49,7 @@ KEYS: dict[str, Key] = {
     "model": Key(Effect.WEIGHTS, compared="model."),
     "task": Key(Effect.WEIGHTS, compared="task."),
     "tune": Key(Effect.WEIGHTS, shown=False),
+    "recipe": Key(Effect.WEIGHTS, shown=False),  # a group without a node: it selects task, loss and pick
     "loss": Key(Effect.WEIGHTS, learned=True, compared="loss"),
     "pick": Key(Effect.WEIGHTS, learned=True, compared="pick"),
     "augment": Key(Effect.WEIGHTS, learned=True, compared="augment"),
@@ -73,7 +74,7 @@ KEYS: dict[str, Key] = {
     **dict.fromkeys(("render_costs", "out", "among"), _COMMAND),
     # benchmark, count, pick
     **dict.fromkeys(("methods", "run", "scales", "sizes", "precisions", "rounds", "seconds", "depth"), _COMMAND),
-    **dict.fromkeys(("device", "cost", "backends", "ms", "db", "low_ms", "high_ms", "dataset"), _COMMAND),
+    **dict.fromkeys(("device", "cost", "rendering", "backends", "ms", "db", "low_ms", "high_ms", "dataset"), _COMMAND),
     # evaluate, export, stress
     **dict.fromkeys(("checkpoint", "capture", "name", "space", "kernels", "check", "tolerance"), _COMMAND),
     **dict.fromkeys(("models", "extremes", "effort", "quick", "all"), _COMMAND),

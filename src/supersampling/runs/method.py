@@ -1,6 +1,6 @@
 """The method that a command is about: of a checkpoint, of an MLflow run, or of the configuration itself."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from supersampling.errors import UserError, describe_system_error
 from supersampling.models.base import Upsampler
 from supersampling.runs import tags
 from supersampling.runs.checkpoint import build, load_weights, read_metadata
+from supersampling.runs.exchange import exchange_of
 from supersampling.runs.experiment import Experiment, experiment_of
 from supersampling.runs.identity import flat_parameters
 from supersampling.runs.naming import is_learned, method_name
@@ -29,7 +30,8 @@ CONFIGURATION = "config.yaml"
 class LoadedMethod:
     """A model with its weights, its name and parameters as MLflow shows them, and the run that it came from, if any.
 
-    ``config`` is the model's configuration as `supersampling.runs.options.described` writes it.
+    ``config`` is the model's configuration as `supersampling.runs.options.described` writes it, and ``training`` the
+    parameters of the training; they differ from the model's own if stages were exchanged.
     """
 
     model: Upsampler
@@ -37,20 +39,25 @@ class LoadedMethod:
     config: Mapping[str, Any]
     parameters: Mapping[str, Any]
     origin: Mapping[str, str] = field(default_factory=dict)
+    training: Mapping[str, Any] | None = None
 
 
-def method_of(cfg: DictConfig) -> LoadedMethod:
+def method_of(cfg: DictConfig, exchange: bool = False) -> LoadedMethod:
     """Return the method that ``checkpoint``, ``run`` or ``model`` names; ``cfg.task`` becomes the task it was trained
     for.
 
+    Args:
+        exchange: whether parts of a model that the command line names (``model/reproject=bilinear``) replace those
+            that it was trained with.
+
     Raises:
-        UserError: no such run or checkpoint; the command line names another model or scale; a learned method without
-            weights.
+        UserError: no such run or checkpoint; the command line names another model or scale; weights that do not fit
+            an exchanged model; a learned method without weights.
     """
     if cfg.run:
-        return _method_of_run(experiment_of(cfg), cfg)
+        return _method_of_run(experiment_of(cfg), cfg, exchange)
     if cfg.checkpoint:
-        return _method_of_checkpoint(cfg)
+        return _method_of_checkpoint(cfg, exchange)
     model: Upsampler = instantiate(cfg.model)
     if is_learned(model):
         raise UserError("This method is learned: name its weights with checkpoint=FILE or run=RUN_ID.")
@@ -62,34 +69,76 @@ def _configured_method(cfg: DictConfig, model: Upsampler) -> LoadedMethod:
     return LoadedMethod(model, method_name(choices()), config, flat_parameters(cfg, choices(), False))
 
 
-def _method_of_checkpoint(cfg: DictConfig) -> LoadedMethod:
+def _method_of_checkpoint(cfg: DictConfig, exchange: bool) -> LoadedMethod:
     path = Path(cfg.checkpoint)
     metadata = read_metadata(path)
     if metadata is None:  # written before checkpoints held their model: it is the configured one
         model: Upsampler = instantiate(cfg.model)
         load_weights(model, path)
         return _configured_method(cfg, model)
-    model = _matching_model(cfg, metadata["model"], metadata["task"], str(path))
-    load_weights(model, path)
     origin = {key: str(metadata.get(key, "")) for key in ("run", "identity", "version")}
-    parameters = dict(metadata.get("parameters", {}))
-    return LoadedMethod(model, str(metadata.get("method", "")), described(metadata["model"]), parameters, origin)
+    stored = _Stored(
+        source=str(path),
+        model=metadata["model"],
+        task=metadata["task"],
+        name=str(metadata.get("method", "")),
+        parameters=dict(metadata.get("parameters", {})),
+        origin=origin,
+    )
+    return _load(cfg, stored, lambda: path, exchange)
 
 
-def _method_of_run(experiment: Experiment, cfg: DictConfig) -> LoadedMethod:
+def _method_of_run(experiment: Experiment, cfg: DictConfig, exchange: bool) -> LoadedMethod:
     """Return the method of a finished run, with its weights or its tuned constants."""
     run = experiment.run(str(cfg.run))
     logged: Any = OmegaConf.to_container(read_configuration(experiment.required_artifact(run, CONFIGURATION)))
-    model = _matching_model(cfg, logged["model"], logged["task"], f"Run {cfg.run}", **tuned_constants(run))
-    if is_learned(model):
-        load_weights(model, experiment.required_artifact(run, CHECKPOINT))
     run_tags = run.data.tags
     origin = {
         "run": str(cfg.run),
         "identity": run_tags.get(tags.IDENTITY, ""),
         "version": run_tags.get(tags.VERSION, ""),
     }
-    return LoadedMethod(model, run_tags.get(tags.METHOD, ""), described(logged["model"]), dict(run.data.params), origin)
+    stored = _Stored(
+        source=f"Run {cfg.run}",
+        model=logged["model"],
+        task=logged["task"],
+        name=run_tags.get(tags.METHOD, ""),
+        parameters=dict(run.data.params),
+        origin=origin,
+        constants=tuned_constants(run),
+    )
+    return _load(cfg, stored, lambda: experiment.required_artifact(run, CHECKPOINT), exchange)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Stored:
+    """A method as a checkpoint or a run holds it; ``source`` names that in messages."""
+
+    source: str
+    model: Mapping[str, Any]
+    task: Mapping[str, Any]
+    name: str
+    parameters: Mapping[str, Any]
+    origin: Mapping[str, str]
+    constants: Mapping[str, float] = field(default_factory=dict)
+
+
+def _load(cfg: DictConfig, stored: _Stored, checkpoint: Callable[[], Path], exchange: bool) -> LoadedMethod:
+    """Return the stored method with its weights, exchanged parts included if ``exchange`` allows them."""
+    _adopt_task(cfg, stored.task, stored.source)
+    replaced = exchange_of(cfg, stored.model, stored.source) if exchange else None
+    if replaced is None:
+        model = _matching_model(cfg, stored)
+        if is_learned(model):
+            load_weights(model, checkpoint())
+        config, name, parameters = stored.model, stored.name, stored.parameters
+    else:
+        model = replaced.build(stored.source, **stored.constants)
+        if is_learned(model):
+            replaced.load_weights(model, checkpoint(), stored.source)
+        config, name = replaced.config, replaced.name(stored.name)
+        parameters = replaced.parameters(cfg, stored.parameters)
+    return LoadedMethod(model, name, described(config), parameters, stored.origin, stored.parameters)
 
 
 def read_configuration(path: Path) -> DictConfig:
@@ -110,12 +159,11 @@ def read_configuration(path: Path) -> DictConfig:
     return cfg
 
 
-def _matching_model(
-    cfg: DictConfig, model: dict[str, Any], task: dict[str, Any], source: str, **constants: float
-) -> Upsampler:
-    """Build the model of a file's configuration unless the command line contradicts it; ``cfg.task`` becomes its task.
+def _adopt_task(cfg: DictConfig, task: Mapping[str, Any], source: str) -> None:
+    """Set what the command line does not say of ``cfg.task`` to the task of a stored method.
 
-    A model that the command line names as well is built from the command line: its author is trusted with any class.
+    Raises:
+        UserError: the command line says another scale.
     """
     typed = [key_of(override) for override in typed_overrides()]
     task_selected = "task" in typed or "task.scale" in typed or _has_task_of_data()
@@ -128,15 +176,24 @@ def _matching_model(
         for key, value in task.items():
             if not task_selected and f"task.{key}" not in typed:
                 cfg.task[key] = value
+
+
+def _matching_model(cfg: DictConfig, stored: _Stored) -> Upsampler:
+    """Build the stored model unless the command line contradicts it.
+
+    A model that the command line names as well is built from the command line: its author is trusted with any class.
+    """
+    typed = [key_of(override) for override in typed_overrides()]
     if not any(key == "model" or key.startswith(("model.", "model/")) for key in typed):
-        return build(model, source, **constants)
-    stored, configured = described(model), described(OmegaConf.to_container(cfg.model, resolve=True))
-    if stored != configured:
-        first, second = _difference(stored, configured)
+        return build(stored.model, stored.source, **stored.constants)
+    known, configured = described(stored.model), described(OmegaConf.to_container(cfg.model, resolve=True))
+    if known != configured:
+        first, second = _difference(known, configured)
         raise UserError(
-            f"{source} holds {first}, but the command line has {second}: leave model=... out, the file knows its own."
+            f"{stored.source} holds {first}, but the command line has {second}: leave model=... out, the file knows "
+            "its own."
         )
-    result: Upsampler = instantiate(cfg.model, **constants)
+    result: Upsampler = instantiate(cfg.model, **stored.constants)
     return result
 
 

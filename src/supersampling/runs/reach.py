@@ -21,7 +21,7 @@ from mlflow.tracking import MlflowClient
 from mlflow.tracking.registry import UnsupportedModelRegistryStoreURIException
 from sqlalchemy.exc import DBAPIError, NoSuchModuleError, SQLAlchemyError
 
-from supersampling.errors import UserError, chain
+from supersampling.errors import UserError, chain, first_line
 from supersampling.runs.database import (
     check_database,
     create_database,
@@ -93,17 +93,17 @@ def _explain(location: Location, error: BaseException) -> str | None:
         case UserError():
             return str(error)
         case DBAPIError():
-            reason = str(error.orig)
             if location.file is not None:
-                return explain_sqlite(reason, location.file)
+                return explain_sqlite(str(error.orig), location.file)
             failed = error.connection_invalidated or isinstance(error, sqlalchemy.exc.OperationalError)
-            return f"The database {location} fails ({_first_line(reason)}): check tracking_uri." if failed else None
+            reason = first_line(error.orig or error).rstrip(".")
+            return f"The database {location} fails ({reason}): check tracking_uri." if failed else None
         case CommandError():
             return newer_sentence(location)
         case MlflowException() if "out-of-date database schema" in str(error):
             return upgrade_sentence(location)
         case MlflowException() if location.is_server:
-            reason = _first_line(str(error))
+            reason = first_line(error).rstrip(".")
             answered = isinstance(error, RestException) or "failed with error code" in reason
             return explain_status(location, error.get_http_status_code(), reason) if answered else None
         case requests.RequestException() if location.is_server:
@@ -151,7 +151,7 @@ def _connect(location: Location) -> Client:
         ) from error
     except (MlflowException, NoSuchModuleError, SQLAlchemyError, ValueError) as error:
         raise UserError(
-            f"MLflow cannot open tracking_uri={location} ({_first_line(str(error))}): write {EXAMPLES}."
+            f"MLflow cannot open tracking_uri={location} ({first_line(error).rstrip('.')}): write {EXAMPLES}."
         ) from error
 
 
@@ -178,8 +178,8 @@ def find_experiment(client: Client, location: Location, name: str) -> Experiment
         experiment = client.get_experiment_by_name(name)
     except MlflowException as error:
         raise UserError(
-            f"MLflow cannot open experiment_name={name} at tracking_uri={location} ({_first_line(str(error))}): check "
-            "both."
+            f"MLflow cannot open experiment_name={name} at tracking_uri={location} "
+            f"({first_line(error).rstrip('.')}): check both."
         ) from error
     if experiment is None:
         return None
@@ -226,7 +226,3 @@ def find_run(client: Client, location: Location, run_id: str) -> Run:
         command = location.command(f"runs restore --run-id {run_id}")
         raise UserError(f"Run {run_id} is deleted: restore it with {command}.")
     return run
-
-
-def _first_line(text: str) -> str:
-    return (text.splitlines() or [""])[0].rstrip(".")

@@ -19,6 +19,7 @@ from supersampling.metrics import scores
 from supersampling.runs import tags
 from supersampling.runs.experiment import FINISHED
 from supersampling.runs.reach import check_artifacts, find_experiment, open_client
+from supersampling.runs.relation import FILES, SAME, SCENES, TRAINED
 
 DOWNLOADS_AT_ONCE = 8
 Kind = Literal["job", "evaluation", "benchmark", "stress", "advice"]
@@ -49,6 +50,15 @@ class Run:
     @property
     def seed(self) -> str:
         return self.params.get("seed", "")
+
+    def parameter(self, name: str) -> str | None:
+        """Return what was scored or, with ``trained.`` before the name, what was trained; None if it is not known.
+
+        Both are the same unless an evaluation logged otherwise (`supersampling.runs.relation`).
+        """
+        if name == SCENES and self.kind == "job":
+            return None if self.params.get("data") == FILES else SAME
+        return self.params.get(name, self.params.get(name.removeprefix(TRAINED)))
 
 
 @dataclass(frozen=True)
@@ -206,8 +216,8 @@ class Store:
 def _run(job: MlflowRun) -> Run:
     run_tags, params = job.data.tags, dict(job.data.params)
     kind: Kind = run_tags[tags.KIND]  # type: ignore[assignment]
-    if kind == "evaluation":
-        # They are the training's; only the fingerprint of the data that it was scored on is known.
+    if kind == "evaluation" and SCENES not in params:
+        # Of an earlier version: they are the training's; of the scored data only the fingerprint is known.
         params = {name: value for name, value in params.items() if name not in ("data", "data.scenes")}
     return Run(
         id=job.info.run_id,

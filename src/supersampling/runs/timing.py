@@ -14,6 +14,12 @@ from supersampling.runs.options import described
 
 TABLE = "timings.json"
 STAGES = "stages.json"
+PARAMETERS = "parameters.json"
+"""The run parameters of each timed architecture, one row per parameter."""
+MODULES = "modules.json"
+"""Parameters and multiply-accumulates of each module of each timed architecture."""
+RENDERINGS = "renderings.json"
+"""The renderer's time for the buffers that each timed architecture reads, by scene."""
 _COLUMNS = {"reason": "why"}  # columns of the stored table that are not named as in `Timing`
 
 # Entries of a model's configuration that cannot change its speed.
@@ -28,7 +34,7 @@ class Timing:
         method: name as MLflow shows it.
         architecture: see `architecture`.
         width, height: size of the target, pixels.
-        backend: eager, channels_last, compile, onnxruntime, openvino, tensorrt, native.
+        backend: eager, channels_last, compile, onnxruntime, openvino, tensorrt, native, thesis_1, thesis_1_2.
         precision: float32, bfloat16, float16, int8.
         device: cpu, cuda.
         ms: median per frame; NaN if the method does not run. ``low`` and ``high`` are quartiles over ``frames`` frames.

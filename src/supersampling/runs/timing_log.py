@@ -1,6 +1,6 @@
 """Timings in MLflow."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 from omegaconf import DictConfig
@@ -8,20 +8,20 @@ from omegaconf import DictConfig
 from supersampling.runs import tags
 from supersampling.runs.experiment import Experiment
 from supersampling.runs.subjects import finished_jobs
-from supersampling.runs.timing import STAGES, TABLE, Timing, table
+from supersampling.runs.timing import TABLE, Timing, table
 
 JOB_TARGET = (1920, 1080)  # target size whose time is logged into a job's run
 LOGGED = ("threads", "rounds", "frames", "seconds", "depth")
 
 
-def log(experiment: Experiment, cfg: DictConfig, timings: Sequence[Timing], stages: pd.DataFrame) -> str:
-    """Log both tables as a run of kind ``benchmark``; return its id, and leave it open."""
+def log(experiment: Experiment, cfg: DictConfig, timings: Sequence[Timing], tables: Mapping[str, pd.DataFrame]) -> str:
+    """Log the times and other tables by file name as a run of kind ``benchmark``; return its id, and leave it open."""
     run_id = experiment.start("benchmark", {tags.KIND: "benchmark"}, None)
     experiment.log_params(run_id, {key: cfg[key] for key in LOGGED})
     experiment.log_params(run_id, {"methods": ", ".join(dict.fromkeys(t.method for t in timings))[:500]})
-    experiment.client.log_table(run_id, table(timings), TABLE)
-    if not stages.empty:
-        experiment.client.log_table(run_id, stages, STAGES)
+    for name, content in {TABLE: table(timings), **tables}.items():
+        if not content.empty:
+            experiment.client.log_table(run_id, content, name)
     return run_id
 
 

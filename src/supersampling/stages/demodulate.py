@@ -131,3 +131,28 @@ class Radiance(Demodulate):
 
     def radiance(self, output: Tensor, frame: Frame) -> Tensor:
         return output
+
+
+@final
+class LoggedRadiance(Demodulate):
+    """``ln(1 + L)`` of the radiance ``L``, with the material in it: demodulation off, in the space of `LoggedLighting`.
+
+    An addition of this framework: against `LoggedLighting` only the material differs, and losses of both are of
+    logarithms. `Radiance` against it would change the scale of what the network reads and of its loss as well.
+    """
+
+    requires = Radiance.requires
+    compares = Radiance.compares
+    highest = LoggedLighting.highest
+
+    def forward(self, frame: Frame) -> Tensor:
+        return frame.need("radiance").log1p()
+
+    def reference(self, clip: Mapping[str, Tensor]) -> Tensor:
+        return clip["target_radiance"].log1p()
+
+    def present(self, output: Tensor, frame: Frame) -> Tensor:
+        return radiance_to_display(self.radiance(output, frame))
+
+    def radiance(self, output: Tensor, frame: Frame) -> Tensor:
+        return output.clamp(min=0.0, max=self.highest).expm1()

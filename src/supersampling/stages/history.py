@@ -35,6 +35,13 @@ class History(nn.Module, ABC):
             previous: the history warped to this frame ``(B, carried, H, W)``; None if ``carried`` is 0.
         """
 
+    @abstractmethod
+    def images(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> dict[str, Tensor]:
+        """Return what the step combines (figure 5): images ``(B, 1 or 3, H, W)`` in [0, 1] by name.
+
+        Arguments are those of `forward`.
+        """
+
 
 @final
 class Blended(History):
@@ -50,6 +57,11 @@ class Blended(History):
         output = torch.lerp(previous[:, :3], candidate, mask.sigmoid()).clamp(0.0, 1.0)
         return output, torch.cat((output, feature.tanh()), dim=1)
 
+    def images(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> dict[str, Tensor]:
+        """Return the reprojected output, the candidate, and the mask: 1 where the candidate replaces the history."""
+        assert previous is not None
+        return {"reprojected": previous[:, :3].clamp(0.0, 1.0), "candidate": candidate, "mask": extra[:, :1].sigmoid()}
+
 
 @final
 class Unblended(History):
@@ -64,6 +76,10 @@ class Unblended(History):
     def forward(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> tuple[Tensor, Tensor]:
         return candidate, torch.cat((candidate, extra.tanh()), dim=1)
 
+    def images(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> dict[str, Tensor]:
+        assert previous is not None
+        return {"reprojected": previous[:, :3].clamp(0.0, 1.0)}
+
 
 @final
 class NoHistory(History):
@@ -74,3 +90,6 @@ class NoHistory(History):
 
     def forward(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> tuple[Tensor, Tensor]:
         return candidate, candidate[:, :0]
+
+    def images(self, candidate: Tensor, extra: Tensor, previous: Tensor | None) -> dict[str, Tensor]:
+        return {}

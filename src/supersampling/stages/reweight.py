@@ -22,6 +22,13 @@ class Reweight(nn.Module, ABC):
     @abstractmethod
     def forward(self, current: Tensor, past: Tensor) -> Tensor: ...
 
+    @abstractmethod
+    def images(self, current: Tensor, past: Tensor) -> dict[str, Tensor]:
+        """Return the weights of each previous frame by name, ``(B, 1, H, W)``, 1 for the largest possible (figure 5e).
+
+        ``reweighting_1`` is of the newest previous frame.
+        """
+
 
 @final
 class LearnedWeights(Reweight):
@@ -56,9 +63,16 @@ class LearnedWeights(Reweight):
         )
 
     def forward(self, current: Tensor, past: Tensor) -> Tensor:
+        return past * self._weights(current, past).unsqueeze(2)
+
+    def images(self, current: Tensor, past: Tensor) -> dict[str, Tensor]:
+        weights = (self._weights(current, past) / self.limit).split(1, dim=1)
+        return {f"reweighting_{k + 1}": weight for k, weight in enumerate(weights)}
+
+    def _weights(self, current: Tensor, past: Tensor) -> Tensor:
+        """Return ``(B, previous, H, W)`` in (0, limit)."""
         rgbd = torch.cat((current[:, :RGBD], past[:, :, :RGBD].flatten(1, 2)), dim=1)
-        weights = (self.network(rgbd) + 1.0) * (0.5 * self.limit)
-        return past * weights.unsqueeze(2)
+        return (self.network(rgbd) + 1.0) * (0.5 * self.limit)
 
 
 @final
@@ -70,3 +84,6 @@ class NoReweighting(Reweight):
 
     def forward(self, current: Tensor, past: Tensor) -> Tensor:
         return past
+
+    def images(self, current: Tensor, past: Tensor) -> dict[str, Tensor]:
+        return {}

@@ -2,12 +2,13 @@
 
 import torch
 from hydra.errors import InstantiationException
-from hydra.utils import instantiate
+from hydra.utils import get_class, instantiate
 from omegaconf import DictConfig, OmegaConf
 from torch import nn
 
-from supersampling.config import group_options
+from supersampling.config import group_options, option_file, published_stages, read_option
 from supersampling.errors import UserError, first_line
+from supersampling.models.base import Upsampler
 from supersampling.runs.naming import is_learned
 from supersampling.training.devices import devices_of
 from supersampling.training.numbers import check_numbers
@@ -26,6 +27,32 @@ def check_training(cfg: DictConfig) -> None:
     check_schedule(cfg)
     if is_learned(instantiate(cfg.model)):
         devices_of(cfg)
+
+
+def unread_jitter(cfg: DictConfig, name: str) -> str | None:
+    """Return a warning if the data are jittered and the network does not read it; None if they agree.
+
+    Args:
+        name: of the model, a file of ``conf/model``.
+    """
+    jitter = OmegaConf.select(cfg, "data.jitter")  # files have their own
+    model: Upsampler = instantiate(cfg.model)
+    if jitter in (None, "none") or model.reads_jitter or not is_learned(model):
+        return None
+    stages = " or ".join(f"model/{slot}={option}" for slot, option in _readers_of("jitter", name))
+    advice = f"set task.jitter=none, or {stages}" if stages else "set task.jitter=none"
+    return f"model={name} does not read the jitter, which moves the samples of task.jitter={jitter}: {advice}."
+
+
+def _readers_of(buffer: str, name: str) -> list[tuple[str, str]]:
+    """Return the slots of a model with each option whose class reads a buffer."""
+    options = [(slot, option) for slot in published_stages(name) for option in group_options(f"model/{slot}")]
+    targets = [read_option(option_file(f"model/{slot}", option))[0].get("_target_") for slot, option in options]
+    return [
+        option
+        for option, target in zip(options, targets)
+        if target is not None and buffer in getattr(get_class(target), "requires", ())
+    ]
 
 
 def check_groups(cfg: DictConfig) -> None:

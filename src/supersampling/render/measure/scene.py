@@ -8,15 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supersampling.render.camera import Shot
+from supersampling.render.measure.disocclusion import Disocclusion, agreement, disocclusion, near_agreement
 from supersampling.render.measure.look import detail, interface_share, lighting_energy, middle, shadow_change, speeds
-from supersampling.render.measure.motion import (
-    Disocclusion,
-    agreement,
-    disocclusion,
-    near_agreement,
-    places,
-    reprojection,
-)
+from supersampling.render.measure.motion import places, reprojection
 from supersampling.render.measure.probe import Probe, seeded_shots, standing
 from supersampling.scenes.manifest import MEASURES
 from supersampling.scenes.scene import Scene
@@ -60,8 +54,8 @@ def disocclusions(probe: Probe, shots: list[Shot]) -> Measures:
     """Return the share of disoccluded pixels, and precision and recall of the mask of dual motion vectors.
 
     They are relative to hiding by another object (``dual_*``), the same only where a mask can be right (``_able``; see
-    ``beyond`` of `motion.Disocclusion`), and relative to all pixels hidden by depth (``_depth``); each also with a
-    tolerance of one low-resolution pixel (``_near``; see `motion.near_agreement`).
+    ``beyond`` of `Disocclusion`), and relative to all pixels hidden by depth (``_depth``); each also with a
+    tolerance of one low-resolution pixel (``_near``; see `near_agreement`).
     """
     frames = [disocclusion(probe, shot) for shot in shots]
     totals: dict[str, NDArray[np.int64]] = {}
@@ -76,7 +70,7 @@ def disocclusions(probe: Probe, shots: list[Shot]) -> Measures:
 
 
 def agreements(frame: Disocclusion) -> dict[str, NDArray[np.int64]]:
-    """Return the counts of `motion.agreement` for each suffix that `disocclusions` documents."""
+    """Return the counts of `agreement` for each suffix that `disocclusions` documents."""
     by_object = (frame.mask, frame.by_object, frame.nearly_by_object)
     out: dict[str, NDArray[np.int64]] = {}
     for name, (mask, truth, nearly), judged in (

@@ -57,19 +57,16 @@ def _row(stem: str, label: str, images: Sequence[Image8], out: Path) -> GalleryR
     target = images[-1]
     side = max(1, min(target.shape[:2]) // DETAIL)
     x, y = worst_window(images[1:-1], target, side, side)
-    differences = [np.abs(image.astype(np.float64) - target).mean(axis=2) for image in images[:-1]]
-    # One scale for all columns; without the quantile a few pixels would make the rest dark.
-    worst = max(1.0, float(np.quantile(np.stack(differences), WORST)))
-    errors = [f"crop_{stem}_{index}_error.png" for index in range(len(differences))]
-    for name, difference in zip(errors, differences):
-        painted = colormaps["magma"](np.clip(difference / worst, 0, 1), bytes=True)[..., :3]
+    maps, worst = error_maps(images[:-1], [target] * (len(images) - 1))
+    errors = [f"crop_{stem}_{index}_error.png" for index in range(len(maps))]
+    for name, painted in zip(errors, maps):
         magnify(painted).save(out / name)
     names = [f"crop_{stem}_{index}.png" for index in range(len(images))]
     details = [f"crop_{stem}_{index}_detail.png" for index in range(len(images))]
     for image, name, detail in zip(images, names, details):
         framed(image, x, y, side, side).save(out / name)
         magnify(image[y : y + side, x : x + side]).save(out / detail)
-    scores = [Text(_psnr(image, target)) for image in images[:-1]]
+    scores = [Text(psnr_text(image, target)) for image in images[:-1]]
     scale = Text(f"error\n0 to {worst:.0f}\nof 255")
     return GalleryRow(
         label,
@@ -82,6 +79,18 @@ def _row(stem: str, label: str, images: Sequence[Image8], out: Path) -> GalleryR
     )
 
 
-def _psnr(image: Image8, target: Image8) -> str:
+def error_maps(images: Sequence[Image8], targets: Sequence[Image8]) -> tuple[list[Image8], float]:
+    """Return the painted absolute errors, black for none, and the error (of 255) of the brightest colour.
+
+    All have one scale; without the quantile a few pixels would make the rest dark.
+    """
+    differences = [np.abs(i.astype(np.float64) - t).mean(axis=2) for i, t in zip(images, targets)]
+    worst = max(1.0, float(np.quantile(np.stack(differences), WORST)))
+    maps = [colormaps["magma"](np.clip(d / worst, 0, 1), bytes=True)[..., :3] for d in differences]
+    return maps, worst
+
+
+def psnr_text(image: Image8, target: Image8) -> str:
+    """Return the PSNR of an 8-bit image in dB as text."""
     error = float(np.mean((image.astype(np.float64) - target) ** 2))
     return "∞" if error == 0 else f"{10 * np.log10(255**2 / error):.2f}"

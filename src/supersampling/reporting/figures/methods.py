@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from supersampling.reporting.figures.style import COLOURS, STYLE, WIDTH, colour, dash, save, scatter
+from supersampling.reporting.figures.training import LABELS
 from supersampling.reporting.methods import Method, short_labels
 from supersampling.reporting.pages import section as parts
 from supersampling.reporting.pages.report import Report
@@ -19,7 +20,6 @@ from supersampling.runs.store import Store
 
 CLIPS_PER_ROW = 10
 COSTS = {"model/parameters": "parameters", "train/minutes": "minutes of training"}
-CURVES = {"train/loss": "training loss", "val/psnr": "validation PSNR (dB)"}
 Clip = tuple[str, int]
 
 
@@ -115,7 +115,7 @@ def training_figure(methods: Sequence[Method], store: Store, path: Path) -> int:
     No more learned methods are drawn than there are colours.
     """
     histories = [
-        (m.label, [[store.history(run, name) for run in m.runs] for name in CURVES]) for m in methods[: len(COLOURS)]
+        (m.label, [[store.history(run, name) for run in m.runs] for name in LABELS]) for m in methods[: len(COLOURS)]
     ]
     histories = [(label, curves) for label, curves in histories if any(any(lines) for lines in curves)]
     if not histories:
@@ -130,7 +130,7 @@ def training_figure(methods: Sequence[Method], store: Store, path: Path) -> int:
                     name = label if seed == 0 else None
                     ax.plot(np.array(steps), np.array(values), ".-", color=COLOURS[index], alpha=0.8, label=name)
         axes[0].set_yscale("log")
-        for ax, title in zip(axes, CURVES.values()):
+        for ax, title in zip(axes, LABELS.values()):
             ax.set_ylabel(title)
             ax.set_xlabel("training step")
         handles, labels = axes[1].get_legend_handles_labels() or axes[0].get_legend_handles_labels()

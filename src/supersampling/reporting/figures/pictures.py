@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,7 +63,7 @@ def framed(image: Image8, x: int, y: int, width: int, height: int) -> Image.Imag
     return marked
 
 
-def worst_window(outputs: Sequence[Image8], target: Image8, width: int, height: int) -> tuple[int, int]:
+def worst_window(outputs: Sequence[NDArray[Any]], target: NDArray[Any], width: int, height: int) -> tuple[int, int]:
     """Return the top-left ``(x, y)`` of the window with the largest absolute error summed over the methods."""
     error = np.asarray(sum(np.abs(image.astype(np.float64) - target).mean(axis=2) for image in outputs))
     table = np.pad(error.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))

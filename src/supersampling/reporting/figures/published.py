@@ -1,7 +1,8 @@
-"""The papers' figures from our runs, as vector graphics: boxes over clips, curves, bars, quality against cost."""
+"""The papers' figures from our runs, as vector graphics: boxes, curves, bars, quality against cost, training."""
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib
@@ -11,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from supersampling.reporting.figures.style import STYLE, WIDTH, colour, dash, mark, save, scatter
+from supersampling.reporting.figures.training import LABELS, History, training_curves
 from supersampling.reporting.pages import section as parts
 from supersampling.reporting.pages.report import Report
 from supersampling.reporting.pages.section import Section
@@ -28,6 +30,17 @@ AXES = {
     "model/gmac": "GMAC per frame",
     "train/minutes": "minutes of training",
 }
+METRICS = {**LABELS, "pixel_distance": "distance to the pixel centre (target pixels)"}
+HEIGHT = 2.7  # of a panel, in inches
+
+
+@dataclass(frozen=True)
+class Scores:
+    """The material of figures: the tables of clips and frames by run id, and what a run logged by step."""
+
+    clips: ClipTables
+    frames: ClipTables
+    history: History
 
 
 def section(report: Report) -> Section | None:
@@ -39,37 +52,58 @@ def section(report: Report) -> Section | None:
 
 
 def _figure(runs: FigureRuns, paper: Paper, report: Report) -> parts.Figure:
-    figure = runs.figure
-    metric = next((m for m in paper.metrics.values() if m.logged == figure.metric), None)
-    label = metric_label(metric) if metric else figure.metric
+    figure, material = runs.figure, report.material
+    labels = [_label(metric, paper) for metric in figure.metrics]
     path = Path(f"{report.stem}_figure{stem_of(figure.number)}.pdf")
-    drawn = draw(runs, report.material.clips, report.material.frames, label, path)
+    scores = Scores(material.clips, material.frames, material.store.history)
+    drawn = draw(runs, scores, labels, path)
     notes = [f"After {name_of(figure.number, 'Figure')} {paper.of}: {figure.caption}.", figure.note]
     if runs.setting is not None:
         notes.append(f"Ours: {runs.setting}.")
     if runs.missing:
         notes.append(f"Not run: {', '.join(runs.missing)}" + (f" (sweeps={figure.sweep})." if figure.sweep else "."))
+    if runs.runs and (absent := [metric for metric in figure.metrics if metric not in drawn]):
+        notes.append(f"Not drawn: the runs did not log {', '.join(absent)}.")
     return parts.Figure(path.name if drawn else "", " ".join(note for note in notes if note))
 
 
-def draw(runs: FigureRuns, clips: ClipTables, frames: ClipTables, label: str, path: Path) -> bool:
-    """Write the figure as PDF; return False if there is nothing to draw. ``label`` names the metric."""
-    kinds: dict[str, Callable[[Axes], int]] = {
-        "box": lambda ax: _boxes(ax, runs, clips),
-        "bars": lambda ax: _bars(ax, runs, clips),
-        "curve": lambda ax: _frame_curve(ax, runs, frames) if runs.over_frames else _curve(ax, runs, clips),
-        "front": lambda ax: _front(ax, runs, clips),
+def _label(name: str, paper: Paper) -> str:
+    metric = next((m for m in paper.metrics.values() if m.logged == name), None)
+    return metric_label(metric) if metric else METRICS.get(name, name)
+
+
+def draw(runs: FigureRuns, scores: Scores, labels: Sequence[str], path: Path) -> list[str]:
+    """Write the figure as PDF, with a panel for each metric that runs logged, and return these metrics.
+
+    Without any nothing is written. ``labels`` name the metrics.
+    """
+    kinds: dict[str, Callable[[Axes, str], int]] = {
+        "box": lambda ax, metric: _boxes(ax, _box_values(runs, metric, scores)),
+        "bars": lambda ax, metric: _bars(ax, runs, metric, scores.clips),
+        "curve": lambda ax, metric: (
+            _frame_curve(ax, runs, metric, scores.frames)
+            if runs.over_frames
+            else _curve(ax, runs, metric, scores.clips)
+        ),
+        "front": lambda ax, metric: _front(ax, runs, metric, scores.clips),
+        "training": lambda ax, metric: training_curves(ax, _series(runs), metric, scores.history),
     }
+    metrics = runs.figure.metrics
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
-        ax = figure.subplots()
-        if not kinds[runs.figure.kind](ax):
-            return False
-        ax.set_ylabel(label)
-        if runs.figure.kind == "curve" and len(ax.get_legend_handles_labels()[1]) > 1:
-            figure.legend(*ax.get_legend_handles_labels(), loc="outside upper center", ncols=4)
+        figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+        axes = list(figure.subplots(1, len(metrics), squeeze=False)[0])
+        drawn = [kinds[runs.figure.kind](ax, metric) for ax, metric in zip(axes, metrics)]
+        for ax, label, count in zip(axes, labels, drawn):
+            ax.set_ylabel(label)
+            if not count:
+                ax.remove()
+        if not any(drawn):
+            return []
+        handles, names = next(ax for ax, count in zip(axes, drawn) if count).get_legend_handles_labels()
+        if runs.figure.kind in ("curve", "training") and len(runs.points) > 1:
+            figure.legend(handles, names, loc="outside upper center", ncols=4)
         save(figure, path)
-    return True
+    return [metric for metric, count in zip(metrics, drawn) if count]
 
 
 def _series(runs: FigureRuns) -> dict[str, list[Run]]:
@@ -77,17 +111,35 @@ def _series(runs: FigureRuns) -> dict[str, list[Run]]:
     return {label: next(iter(points.values())) for label, points in runs.points.items() if points}
 
 
-def _boxes(ax: Axes, runs: FigureRuns, clips: ClipTables) -> int:
-    """Draw one box per series over its clips' values (means over seeds).
+def _box_values(runs: FigureRuns, metric: str, scores: Scores) -> dict[str, np.ndarray]:
+    """Return the finite values of each box, means over seeds: of clips, or of frames if the figure counts frames.
 
-    A box shows quartiles and median; the whiskers reach at most 1.5 times the distance of the quartiles.
+    A single series of frames has a box for each scene, as in the figure of Xiao et al. (2020, figure 11).
     """
-    values = {}
+    values: dict[str, np.ndarray] = {}
     for label, members in _series(runs).items():
-        scores = clip_scores(members, runs.figure.metric, clips)
-        if scores is not None and len(scores):
-            means = scores.mean(axis=1).to_numpy()
-            values[label] = means[np.isfinite(means)]
+        if not runs.over_frames:
+            table = clip_scores(members, metric, scores.clips)
+            if table is not None:
+                values[label] = table.mean(axis=1).to_numpy()
+        elif (frames := _frame_means(members, metric, scores.frames, ["scene", "clip", "frame"])) is not None:
+            by_scene = {str(scene): part.to_numpy() for scene, part in frames.groupby(level="scene")}
+            values |= by_scene if len(runs.points) == 1 else {label: frames.to_numpy()}
+    finite = {label: numbers[np.isfinite(numbers)] for label, numbers in values.items()}
+    return {label: numbers for label, numbers in finite.items() if len(numbers)}
+
+
+def _frame_means(members: Sequence[Run], metric: str, frames: ClipTables, by: list[str]) -> pd.Series | None:
+    """Return the metric's mean over seeds (and all that ``by`` does not name); None if no run logged it."""
+    tables = [frames[run.id] for run in members if run.id in frames and metric in frames[run.id]]
+    if not tables:
+        return None
+    rows = pd.concat([table[["scene", "clip", "frame", metric]] for table in tables])
+    return rows.replace([np.inf, -np.inf], np.nan).groupby(by)[metric].mean().dropna()
+
+
+def _boxes(ax: Axes, values: dict[str, np.ndarray]) -> int:
+    """Draw boxes of quartiles and median; the whiskers reach at most 1.5 times the distance of the quartiles."""
     boxes = ax.boxplot(
         list(values.values()),
         widths=0.5,
@@ -104,8 +156,8 @@ def _boxes(ax: Axes, runs: FigureRuns, clips: ClipTables) -> int:
     return len(values)
 
 
-def _bars(ax: Axes, runs: FigureRuns, clips: ClipTables) -> int:
-    values = {label: value for label, members in _series(runs).items() if (value := _value(members, runs, clips))}
+def _bars(ax: Axes, runs: FigureRuns, metric: str, clips: ClipTables) -> int:
+    values = {label: value for label, members in _series(runs).items() if (value := _value(members, metric, clips))}
     for index, value in enumerate(values.values()):
         ax.bar(index, value.mean, 0.6, yerr=_error(value), capsize=2, color=colour(index))
     _label_ticks(ax, list(values), start=0)
@@ -119,20 +171,22 @@ def _bars(ax: Axes, runs: FigureRuns, clips: ClipTables) -> int:
 
 def _label_ticks(ax: Axes, labels: list[str], start: int) -> None:
     places = range(start, start + len(labels))
-    if sum(map(len, labels)) > 90:
+    # What fits a page's width; panels beside each other have less.
+    width = ax.get_position().width
+    if sum(map(len, labels)) > 110 * width:
         ax.set_xticks(places, labels, rotation=30, ha="right")
     else:
         ax.set_xticks(places, labels)
 
 
-def _curve(ax: Axes, runs: FigureRuns, clips: ClipTables) -> int:
+def _curve(ax: Axes, runs: FigureRuns, metric: str, clips: ClipTables) -> int:
     """Draw the metric over the values of a run parameter, with intervals; words are placed at even distances."""
     names = sorted({x for points in runs.points.values() for x in points}, key=numbers_first)
     numeric = all(math.isfinite(numbers_first(x)[0]) for x in names)
     places = {x: numbers_first(x)[0] if numeric else float(i) for i, x in enumerate(names)}
     drawn = 0
     for index, (label, points) in enumerate(runs.points.items()):
-        values = {places[x]: value for x, members in points.items() if (value := _value(members, runs, clips))}
+        values = {places[x]: value for x, members in points.items() if (value := _value(members, metric, clips))}
         if values:
             ax.errorbar(
                 list(values),
@@ -150,27 +204,23 @@ def _curve(ax: Axes, runs: FigureRuns, clips: ClipTables) -> int:
     return drawn
 
 
-def _frame_curve(ax: Axes, runs: FigureRuns, frames: ClipTables) -> int:
+def _frame_curve(ax: Axes, runs: FigureRuns, metric: str, frames: ClipTables) -> int:
     """Draw the metric over a clip's frames, the mean over clips and seeds."""
-    metric = runs.figure.metric
     drawn = 0
     for index, (label, members) in enumerate(_series(runs).items()):
-        tables = [frames[run.id] for run in members if run.id in frames and metric in frames[run.id]]
-        if not tables:
-            continue
-        rows = pd.concat([table[["frame", metric]] for table in tables])
-        means = rows.replace([np.inf, -np.inf], np.nan).groupby("frame")[metric].mean().dropna()
-        ax.plot(means.index.to_numpy(dtype=float), means.to_numpy(), dash(index), color=colour(index), label=label)
-        drawn += 1
+        means = _frame_means(members, metric, frames, ["frame"])
+        if means is not None:
+            ax.plot(means.index.to_numpy(dtype=float), means.to_numpy(), dash(index), color=colour(index), label=label)
+            drawn += 1
     ax.set_xlabel(AXES[FRAME])
     return drawn
 
 
-def _front(ax: Axes, runs: FigureRuns, clips: ClipTables) -> int:
+def _front(ax: Axes, runs: FigureRuns, metric: str, clips: ClipTables) -> int:
     """Draw the metric against a cost that the runs logged, one point per series; a series without cost is left out."""
     points = []
     for label, members in _series(runs).items():
-        cost, value = logged(members, runs.figure.x or ""), _value(members, runs, clips)
+        cost, value = logged(members, runs.figure.x or ""), _value(members, metric, clips)
         if cost is not None and cost.mean > 0 and value is not None:
             points.append((label, cost.mean, value))
     scatter(ax, points)
@@ -182,8 +232,8 @@ def _axis(runs: FigureRuns) -> str:
     return AXES.get(runs.figure.x or "", runs.figure.x or "")
 
 
-def _value(members: Sequence[Run], runs: FigureRuns, clips: ClipTables) -> Estimate | None:
-    value = estimate(members, runs.figure.metric, clips) or logged(members, runs.figure.metric)
+def _value(members: Sequence[Run], metric: str, clips: ClipTables) -> Estimate | None:
+    value = estimate(members, metric, clips) or logged(members, metric)
     return value if value is not None and math.isfinite(value.mean) else None
 
 

@@ -10,7 +10,8 @@ from supersampling.reporting.pages.report import Report
 from supersampling.reporting.pages.section import Gallery, GalleryRow, Picture, Section
 from supersampling.reporting.pages.sheet import Text
 
-CAPTION = ", after a clip’s last frame, below the target’s crop. White is 1, black 0."
+FULL_WIDTH = 7  # pictures
+CAPTION = ", after a clip’s last frame, below the target’s crop. White is 1, black 0; of weights white is the largest."
 
 
 def section(report: Report) -> Section | None:
@@ -23,10 +24,10 @@ def section(report: Report) -> Section | None:
 def state_galleries(
     methods: Sequence[Method], states: Mapping[str, Path], crops: Mapping[str, Path], out: Path
 ) -> list[Gallery]:
-    """Copy each method's pictures beside the targets' crops to ``out``; one gallery per kind of picture and method.
+    """Copy each method's pictures beside the targets' crops to ``out``; one gallery per method.
 
     ``states`` and ``crops`` are the downloaded folders by run id. Columns are scenes, the target's crop above the
-    state's.
+    state's pictures, a line for each kind; a scene without one of them is left out.
     """
     targets = {
         path.stem.removesuffix("_target"): path
@@ -36,15 +37,20 @@ def state_galleries(
     stems = sorted(targets, key=lambda stem: (int(stem.split("_")[0]), stem))
     galleries: list[Gallery] = []
     for label, folder in folders_by_label(methods, states).items():
-        names = {path.stem.removeprefix(f"{stem}_") for stem in stems for path in folder.glob(f"{stem}_*.png")}
-        for name in sorted(names):
-            present = [stem for stem in stems if (folder / f"{stem}_{name}.png").is_file()]
-            lines: list[list[Picture | Text]] = [[Text(stem.partition("_")[2]) for stem in present], [], []]
+        names = sorted({path.stem.removeprefix(f"{stem}_") for stem in stems for path in folder.glob(f"{stem}_*.png")})
+        present = [stem for stem in stems if all((folder / f"{stem}_{name}.png").is_file() for name in names)]
+        if not names or not present:
+            continue
+        lines: list[list[Picture | Text]] = [[Text(stem.partition("_")[2]) for stem in present]]
+        for name, source in [("target", targets), *((name, None) for name in names)]:
+            line: list[Picture | Text] = []
             for stem in present:
-                target, image = f"state_{stem}_target.png", f"state_{len(galleries)}_{stem}.png"
-                shutil.copyfile(targets[stem], out / target)
-                shutil.copyfile(folder / f"{stem}_{name}.png", out / image)
-                lines[1].append(Picture(target))
-                lines[2].append(Picture(image))
-            galleries.append(Gallery([], [GalleryRow("", lines)], [Text(f"{label}: {name}", "bold"), Text(CAPTION)]))
+                image = f"state_{len(galleries)}_{name}_{stem}.png"
+                shutil.copyfile(source[stem] if source else folder / f"{stem}_{name}.png", out / image)
+                line.append(Picture(image))
+            lines.append(line)
+        order = " (from top to bottom)" if len(names) > 1 else ""
+        title = f"{label}: {', '.join(names).replace('_', ' ')}"
+        share = min(1.0, len(present) / FULL_WIDTH)
+        galleries.append(Gallery([], [GalleryRow("", lines)], [Text(title, "bold"), Text(order + CAPTION)], share))
     return galleries

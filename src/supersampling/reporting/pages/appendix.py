@@ -22,7 +22,12 @@ def paper_cells(
     for table in filled:
         cells += _table_cells(table)
     figure_cells = [(f"Figure {figure.figure.number}", figure.runs) for figure in paper.figures]
-    return cells + claim_cells(judged) + [cell for cell in figure_cells if cell[1]]
+    picture_cells = [
+        (f"{name_of(item.picture.number)} · {label}", runs)
+        for item in paper.pictures
+        for label, runs in item.present.items()
+    ]
+    return cells + claim_cells(judged) + [cell for cell in figure_cells if cell[1]] + picture_cells
 
 
 def _table_cells(filled: Filled) -> list[Cell]:

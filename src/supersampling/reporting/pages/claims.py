@@ -10,7 +10,7 @@ from supersampling.reporting.pages.report import Report
 from supersampling.reporting.pages.section import Section
 from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.reporting.papers.claims import VERDICTS, Judged, Verdict
-from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Paper
+from supersampling.reporting.papers.schema import BENCHMARK, RUN_METRIC, Claim, Paper
 from supersampling.runs.statistics import Estimate
 
 STYLES: dict[Verdict, Style] = {"reproduced": "yes", "contradicted": "no", "unresolved": "open", "not run": "muted"}
@@ -121,6 +121,7 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
                 "page": claim.page,
                 "kind": claim.kind,
                 "metric": claim.metric,
+                "claimed": _metric(claim),
                 "unit": claim.unit,
                 "margin": claim.margin,
                 "published": claim.published,
@@ -145,11 +146,20 @@ def long_form(judged: Sequence[Judged]) -> list[dict[str, object]]:
 
 
 def _metric(claim: Claim) -> str:
-    name = claim.metric.removeprefix(RUN_METRIC)
+    """Return ``psnr, frames 4 to 6: a > b + 0.5``: the quantity, and what is claimed of it."""
+    name = claim.metric.removeprefix(RUN_METRIC).removeprefix(BENCHMARK)
+    if claim.frames is not None:
+        name += f", frames {claim.frames[0]} to {claim.frames[1]}"
+    if claim.settles is not None:
+        name = f"frames until {name} is within {claim.settles:g} of its later median"
+    unit = " %" if claim.relative else ""
     if claim.margin is not None:
-        return f"{name}: |a − b| < {claim.margin:g}"
+        return f"{name}: |a − b| < {claim.margin:g}{unit}"
     if claim.times != 1.0:
         return f"{name}: {claim.times:g} a < b"
+    if claim.at_least:
+        signed = claim.at_least if claim.kind == "more" else -claim.at_least
+        return typeset(f"{name}: a − b {'>' if claim.kind == 'more' else '<'} {signed:g}{unit}")
     return f"{name}: {SIGNS[claim.kind]}"
 
 
@@ -174,7 +184,7 @@ def _interval(effect: Estimate | None, claim: Claim) -> str:
 
 
 def _signed(value: float, effect: Estimate, claim: Claim) -> str:
-    if claim.metric.startswith(RUN_METRIC):
+    if claim.exact:
         return f"{value:+,.{EXACT_DIGITS}g}" if abs(value) < 1000 else thousands(value, sign=True)
     return typeset(fixed(value, 3 if math.isnan(effect.half_width) else decimals(effect.half_width), sign=True))
 

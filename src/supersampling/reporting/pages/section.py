@@ -34,11 +34,13 @@ class Gallery:
     """Pictures in columns of equal width.
 
     ``heads`` name the columns; without them the rows have no labels either, and the gallery stays on one page.
+    ``share`` is its part of the text's width.
     """
 
     heads: list[str]
     rows: list[GalleryRow]
     caption: list[Text]
+    share: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)

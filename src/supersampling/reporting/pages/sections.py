@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
-from supersampling.reporting.figures import crops, epipolar, published, states
+from supersampling.reporting.figures import compared, crops, epipolar, published, states
 from supersampling.reporting.figures import methods as method_figures
 from supersampling.reporting.pages import advice, claims, dataset, methods, stress, tables, words
 from supersampling.reporting.pages.appendix import appendix
@@ -20,6 +20,7 @@ MAKERS: tuple[Callable[[Report], Section | None], ...] = (
     trade.section,
     tables.section,
     published.section,
+    compared.section,
     method_figures.section,
     crops.section,
     epipolar.section,

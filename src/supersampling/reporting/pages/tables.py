@@ -11,7 +11,9 @@ from supersampling.reporting.pages.sheet import Sheet, Style, Text
 from supersampling.reporting.papers.published import name_of, stem_of, sweep_of
 from supersampling.reporting.papers.schema import Metric, Paper, full_stop
 from supersampling.reporting.papers.tables import NOT_RUN, Filled, ranks
+from supersampling.reporting.papers.times import quantity_of
 from supersampling.reporting.settings import Setting
+from supersampling.runs.measurements import MS
 from supersampling.runs.statistics import Estimate
 
 # Columns of two numbers that fit a page beside each other, and of two stacked numbers.
@@ -133,6 +135,14 @@ def _notes(filled: Filled, paper: Paper) -> list[str]:
     notes = [full_stop(text) for text in (table.caption, table.note, table.lost) if text]
     sweep = sweep_of(table, paper)
     sweep_note = [f"What is not run: sweeps={sweep}."] if sweep else []
+    if table.command:
+        notes.append(f"Measured by “{table.command}”.")
+    if filled.measured:
+        notes.append(f"Ours, measured: {full_stop(filled.measured)}")
+        if any(quantity_of(paper.metrics[name].logged) == MS for _, _, name in filled.values):
+            notes.append("Of two machines' times only ratios compare.")
+    if filled.measured and not filled.settings:
+        return notes
     if not filled.settings:
         return [*notes, "Ours: not run.", *sweep_note]
     notes.append(_settings_note(filled))

@@ -1,15 +1,17 @@
 """The papers' conclusions, judged by the paired statistics on our runs."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Literal
 
+from supersampling.reporting.papers.effects import RunScores, effect, scene_effects
 from supersampling.reporting.papers.schema import RUN_METRIC, Claim, Selection
+from supersampling.reporting.papers.times import PART, Measured, choose_times, quantity_of
 from supersampling.reporting.selection import choose_runs, pools_for
 from supersampling.reporting.settings import Choice, Setting
-from supersampling.runs.estimates import ClipTables, difference, logged, scene_differences
+from supersampling.runs.measurements import Measurement
 from supersampling.runs.statistics import Estimate
 from supersampling.runs.store import Run
 
@@ -72,12 +74,15 @@ class Judged:
         return count + (f"; not on {', '.join(against)}" if against else "")
 
 
-def choose_claim(claim: Claim, choice: Choice) -> ClaimRuns:
+def choose_claim(claim: Claim, choice: Choice, measurements: Sequence[Measurement] = ()) -> ClaimRuns:
     """Return the runs that a claim compares: of one setting, agreeing in all that the claim does not name.
 
     Of several settings the first that has most of them.
     """
     selections = claim.selections
+    if (quantity := quantity_of(claim.metric)) is not None:
+        sides = {label: (selection, quantity) for label, selection in selections.items()}
+        return ClaimRuns(claim, None, _measured_runs(claim, choose_times(sides, measurements)))
     best = ClaimRuns(claim, None, {label: [] for label in selections})
     for setting, pool in pools_for(choice, selections.values(), {}):
         cells = choose_runs(pool, selections).cells
@@ -88,20 +93,33 @@ def choose_claim(claim: Claim, choice: Choice) -> ClaimRuns:
     return best
 
 
-def judge(selected: ClaimRuns, tables: ClipTables) -> Judged:
+def _measured_runs(claim: Claim, times: Mapping[str, Measured]) -> dict[str, list[Run]]:
+    """Return the benchmark's run for each side, with the side's number as its metric.
+
+    Its identity tells the method and the part, since both sides are of one benchmark.
+    """
+    runs: dict[str, list[Run]] = {label: [] for label in claim.selections}
+    for label, item in times.items():
+        if not math.isnan(item.value):
+            identity = f"{item.measurement.run.id} {claim.selections[label].get(PART, '')}"
+            runs[label] = [replace(item.measurement.benchmark, identity=identity, metrics={claim.metric: item.value})]
+    return runs
+
+
+def judge(selected: ClaimRuns, scores: RunScores) -> Judged:
     """Return a claim's verdict.
 
-    *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin),
-    *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if runs are missing. A claim about steps is
-    reproduced if every step is, and contradicted if any is.
+    *Reproduced* if the 95% interval lies wholly on the claimed side (of kind ``same``: within the margin; with
+    ``at_least`` or ``times``: beyond it), *contradicted* if wholly on the other, *unresolved* otherwise, *not run* if
+    runs are missing. A claim about steps is reproduced if every step is, and contradicted if any is.
     """
     claim, labels = selected.claim, list(selected.runs)
     pairs = list(pairwise(labels))
     steps = []
     for earlier, later in pairs:
-        value = _difference(selected.runs[later], selected.runs[earlier], claim, tables, claim.times)
+        value = effect(selected.runs[later], selected.runs[earlier], claim, scores, claim.times)
         steps.append(Step(f"{earlier} → {later}", value, side(claim, value)))
-    effect = _difference(selected.runs[labels[-1]], selected.runs[labels[0]], claim, tables)
+    whole = effect(selected.runs[labels[-1]], selected.runs[labels[0]], claim, scores)
     verdict = _together([step.verdict for step in steps])
     reason = _reason(selected, steps, verdict)
     if any(_same_runs(selected.runs[earlier], selected.runs[later]) for earlier, later in pairs):
@@ -110,9 +128,9 @@ def judge(selected: ClaimRuns, tables: ClipTables) -> Judged:
     return Judged(
         selected=selected,
         verdict=verdict,
-        effect=effect,
+        effect=whole,
         steps=steps if claim.stepwise else [],
-        scenes=_scenes(selected, tables) if not selected.missing else {},
+        scenes=_scenes(selected, scores) if not selected.missing else {},
         reason=reason,
     )
 
@@ -122,7 +140,7 @@ def side(claim: Claim, value: Estimate | None) -> Verdict:
     interval."""
     if value is None:
         return "not run"
-    exact = claim.metric.startswith(RUN_METRIC)
+    exact = claim.exact
     low, high = (value.mean, value.mean) if exact else (value.low, value.high)
     if math.isnan(low) or math.isnan(high):
         return "unresolved"
@@ -132,9 +150,9 @@ def side(claim: Claim, value: Estimate | None) -> Verdict:
         return "contradicted" if low >= claim.margin or high <= -claim.margin else "unresolved"
     if claim.kind in ("less", "falls"):
         low, high = -high, -low
-    if low > 0:
+    if low > claim.at_least:
         return "reproduced"
-    return "contradicted" if high < 0 or (exact and high == 0) else "unresolved"
+    return "contradicted" if high < claim.at_least or (exact and high == claim.at_least) else "unresolved"
 
 
 def _together(verdicts: Sequence[Verdict]) -> Verdict:
@@ -143,42 +161,24 @@ def _together(verdicts: Sequence[Verdict]) -> Verdict:
     return next((verdict for verdict in order if verdict in verdicts), "reproduced")
 
 
-def _difference(
-    a: Sequence[Run], b: Sequence[Run], claim: Claim, tables: ClipTables, times: float = 1.0
-) -> Estimate | None:
-    """Return ``a - b``, for a logged number ``times * a - b``; None without runs or values."""
-    if not a or not b:
-        return None
-    if not claim.metric.startswith(RUN_METRIC):
-        return difference(a, b, claim.metric, tables)
-    first, second = (logged(runs, claim.metric.removeprefix(RUN_METRIC)) for runs in (a, b))
-    if first is None or second is None:
-        return None
-    return Estimate(times * first.mean - second.mean, math.nan, math.nan, 0)
-
-
-def _scenes(selected: ClaimRuns, tables: ClipTables) -> dict[str, bool]:
-    """Return for each scene whether its mean differences have the claimed sign (kind ``same``: lie within the
-    margin)."""
-    claim, labels = selected.claim, list(selected.runs)
-    if claim.metric.startswith(RUN_METRIC):
-        return {}
+def _scenes(selected: ClaimRuns, scores: RunScores) -> dict[str, bool]:
+    """Return for each scene whether its mean differences are on the claimed side."""
     means = [
-        scene_differences(selected.runs[later], selected.runs[earlier], claim.metric, tables)
-        for earlier, later in pairwise(labels)
+        scene_effects(selected.runs[later], selected.runs[earlier], selected.claim, scores)
+        for earlier, later in pairwise(selected.runs)
     ]
     common = sorted(set.intersection(*map(set, means)))
-    return {scene: all(_claimed(claim, mean[scene]) for mean in means) for scene in common}
+    return {scene: all(_claimed(selected.claim, mean[scene]) for mean in means) for scene in common}
 
 
 def _claimed(claim: Claim, value: float) -> bool:
     if claim.margin is not None:
         return abs(value) < claim.margin
-    return value < 0 if claim.kind in ("less", "falls") else value > 0
+    return (-value if claim.kind in ("less", "falls") else value) > claim.at_least
 
 
 def _same_runs(first: Sequence[Run], second: Sequence[Run]) -> bool:
-    return bool(first) and {run.id for run in first} == {run.id for run in second}
+    return bool(first) and {(run.id, run.identity) for run in first} == {(run.id, run.identity) for run in second}
 
 
 def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str:
@@ -187,7 +187,9 @@ def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str
     if verdict == "not run":
         if selected.missing:
             return _missing(selected)
-        return f"the runs are there, but not all logged {claim.metric.removeprefix(RUN_METRIC)}"
+        return f"the runs are there, but not all logged {claim.metric.removeprefix(RUN_METRIC)}" + (
+            f" of frames {claim.frames[0]} to {claim.frames[1]}" if claim.frames is not None else ""
+        )
     labels = [step.label for step in steps if step.verdict == verdict] if claim.stepwise else []
     place = f"at {', '.join(labels)}" if labels and verdict != "reproduced" else ""
     if verdict != "unresolved":
@@ -198,7 +200,7 @@ def _reason(selected: ClaimRuns, steps: Sequence[Step], verdict: Verdict) -> str
     elif claim.margin is not None:
         reason = f"the interval crosses ±{claim.margin:g}"
     else:
-        reason = "the interval holds 0"
+        reason = f"the interval holds {-claim.at_least if claim.kind == 'less' else claim.at_least:g}"
     return f"{reason} {place}".strip()
 
 

@@ -27,7 +27,7 @@ class FigureRuns:
 
     @property
     def over_frames(self) -> bool:
-        """Whether the horizontal axis counts frames."""
+        """Whether frames are its values, not clips."""
         return self.figure.x == FRAME
 
     @property

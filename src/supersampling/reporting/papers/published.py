@@ -10,13 +10,24 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 import yaml
 
 from supersampling.errors import UserError
-from supersampling.reporting.papers.schema import BY_NUMBER, Claim, Paper, PublishedFigure, PublishedTable, Selection
+from supersampling.reporting.papers.quantity_checks import check_quantity
+from supersampling.reporting.papers.schema import (
+    BY_NUMBER,
+    Claim,
+    Paper,
+    Picture,
+    PublishedFigure,
+    PublishedTable,
+    Selection,
+)
+from supersampling.reporting.papers.times import quantity_of
+from supersampling.runs.measurements import DEFAULT_PART
 
 # 2, or S2 of a supplement.
 NUMBER = re.compile(r"[A-Z]?\d+[a-z]?")
 # The loader of libyaml is ten times faster.
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-KINDS = {str: "a text", int: "a whole number", float: "a number"}
+KINDS = {str: "a text", int: "a whole number", float: "a number", bool: "true or false"}
 T = TypeVar("T")
 
 
@@ -40,14 +51,18 @@ def load_paper(path: Path) -> Paper:
         raise UserError(f"Invalid YAML in {path}: correct it ({error}).") from error
     paper = _build(Paper, raw, str(path))
     _check_places(paper, str(path))
+    _check_metrics(paper, str(path))
     for table in paper.tables:
         _check_table(table, paper, f"{path}: table {table.number}")
+        _check_measured(table, paper, f"{path}: table {table.number}")
     for fact in paper.facts:
         for row in fact.rows:
             if len(row) != len(fact.headers):
                 raise UserError(
                     f"{path}: facts {fact.number}: Invalid row {row}: use a cell for each of {fact.headers}."
                 )
+    for picture in paper.pictures:
+        _check_picture(picture, f"{path}: {picture.number}")
     for figure in paper.figures:
         _check_figure(figure, f"{path}: figure {figure.number}")
     for claim in paper.claims:
@@ -86,6 +101,17 @@ def _check_places(paper: Paper, path: str) -> None:
             raise UserError(f"{path}: {name}: Invalid page={page}: use at least 1, or 0 if it is unknown.")
 
 
+def _check_metrics(paper: Paper, path: str) -> None:
+    """Raise `UserError` for a metric of benchmarks that they do not measure."""
+    for name, metric in paper.metrics.items():
+        quantity = quantity_of(metric.logged)
+        if quantity is not None and quantity not in DEFAULT_PART:
+            raise UserError(
+                f"{path}: metrics.{name}: Invalid logged={metric.logged}: use benchmark: and one of "
+                f"{', '.join(DEFAULT_PART)}."
+            )
+
+
 def _check_unique(values: Iterable[str], place: str) -> None:
     items = list(values)
     repeated = sorted({value for value in items if items.count(value) > 1})
@@ -115,10 +141,35 @@ def _check_table(table: PublishedTable, paper: Paper, place: str) -> None:
             raise UserError(f"{place}: Row {row.labels} has a null: say in lost what is missing and why.")
 
 
+def _check_measured(table: PublishedTable, paper: Paper, place: str) -> None:
+    """Raise `UserError` for a cell of a ``benchmark:`` metric that no benchmark can fill."""
+    for (row, column), selection in table.selections.items():
+        for name in table.columns[column].metrics:
+            logged = paper.metrics[name].logged
+            if quantity_of(logged) is None:
+                continue
+            if "size" not in selection:
+                labels = f"{table.rows[row].labels} and {table.columns[column].label}"
+                raise UserError(f"{place}: Missing size of {labels}: add size, such as 1920x1080, to the selection.")
+            if not table.command:
+                raise UserError(f"{place}: Missing command of a benchmark: metric: add the command that measures it.")
+
+
 def _check_figure(figure: PublishedFigure, place: str) -> None:
     if figure.kind in ("curve", "front") and figure.x is None:
         raise UserError(f"{place}: Missing x of a {figure.kind}: use a run parameter or metric, or frame for a curve.")
     _check_unique((series.label for series in figure.series), f"{place}: labels of series")
+
+
+def _check_picture(picture: Picture, place: str) -> None:
+    if (picture.counterpart == "none") != (not picture.series):
+        raise UserError(
+            f"{place}: Invalid series of counterpart={picture.counterpart}: name the runs whose pictures are drawn, or "
+            "none of them for none."
+        )
+    if picture.counterpart == "none" and not picture.note:
+        raise UserError(f"{place}: Missing note of counterpart=none: say why nothing is drawn.")
+    _check_unique((series.label for series in picture.series), f"{place}: labels of series")
 
 
 def _check_claim(claim: Claim, paper: Paper, place: str) -> None:
@@ -134,16 +185,14 @@ def _check_claim(claim: Claim, paper: Paper, place: str) -> None:
         raise UserError(f"{place}: Invalid sides of kind={claim.kind}: use a and b, and no steps.")
     elif claim.a == claim.b:
         raise UserError(f"{place}: The sides a and b are the same selection: use different ones.")
+    if quantity_of(claim.metric) is not None and any("size" not in side for side in claim.selections.values()):
+        raise UserError(f"{place}: Missing size of metric={claim.metric}: add size, such as 1920x1080, to base.")
     if (claim.kind == "same") != (claim.margin is not None) or (claim.margin is not None and claim.margin <= 0):
         raise UserError(
             f"{place}: Invalid margin={claim.margin} of kind={claim.kind}: use a positive one for same, none for "
             "others."
         )
-    if claim.times != 1.0 and not (claim.times > 1.0 and claim.kind == "less" and claim.metric.startswith("run:")):
-        raise UserError(
-            f"{place}: Invalid times={claim.times:g} of kind={claim.kind}: use a factor above 1, of kind less and a "
-            "run: metric."
-        )
+    check_quantity(claim, place)
 
 
 def _build(cls: type[T], raw: Any, place: str) -> T:
@@ -191,7 +240,7 @@ def _convert(kind: Any, value: Any, place: str) -> Any:
         return _build(kind, value, place)
     if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
-    if not isinstance(value, kind) or isinstance(value, bool):
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         quoted = f', written as "{value}"' if kind is str and not isinstance(value, list | dict) else ""
         raise UserError(f"{place}: Invalid value {value!r}: use {KINDS[kind]}{quoted}.")
     return value

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from supersampling.reporting.pages.sheet import Style
 from supersampling.reporting.papers.schema import Metric, Paper, PublishedTable, Selection
+from supersampling.reporting.papers.times import TableTimes, describe, quantity_of
 from supersampling.reporting.selection import choose_runs, pools_for
 from supersampling.reporting.settings import Choice, Setting
 from supersampling.runs.estimates import ClipTables, difference, estimate, logged, scaled
@@ -14,17 +15,22 @@ from supersampling.runs.store import Run
 
 NOT_RUN, NOT_AVAILABLE = "not run", "not available"
 NOT_MEASURED, NOT_SCORED = "not measured", "not scored"
+NO_PART = "no such part"
 Place = tuple[int, int]
 
 
 @dataclass(frozen=True)
 class TableRuns:
-    """The runs of a table's cells ``(row, column)``, each row's setting, and the runs that match but are left out."""
+    """The runs of a table's cells ``(row, column)``, each row's setting, and the runs that match but are left out.
+
+    ``times`` are the cells that benchmarks fill.
+    """
 
     table: PublishedTable
     settings: dict[int, Setting]
     cells: dict[Place, list[Run]]
     left_out: list[Run]
+    times: TableTimes = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +40,7 @@ class Filled:
     Attributes:
         left_out: runs that match a cell but differ in other settings.
         gaps: how far the best PSNR leads the second, paired over clips, by the name of a comparison.
+        measured: how and where benchmarks measured their cells; empty if they measured none.
     """
 
     table: PublishedTable
@@ -42,6 +49,7 @@ class Filled:
     values: dict[tuple[int, int, str], Estimate]
     left_out: list[Run]
     gaps: dict[str, Estimate]
+    measured: str = ""
 
     def state(self, row: int, column: int, metric: Metric) -> str:
         """Return why a cell has no number of ours."""
@@ -49,7 +57,9 @@ class Filled:
             return NOT_AVAILABLE
         if metric.logged is None:
             return NOT_MEASURED
-        return NOT_SCORED if (row, column) in self.runs else NOT_RUN
+        if (row, column) not in self.runs:
+            return NOT_RUN
+        return NO_PART if quantity_of(metric.logged) is not None else NOT_SCORED
 
 
 def choose_table(table: PublishedTable, choice: Choice) -> TableRuns:
@@ -80,20 +90,26 @@ def fill(selected: TableRuns, paper: Paper, tables: ClipTables) -> Filled:
             value = logged(runs, metric.logged) if table.source == "run" else estimate(runs, metric.logged, tables)
             if value is not None and not math.isnan(value.mean):
                 values[row, column, name] = scaled(value, metric.factor)
+    cells = dict(selected.cells)
+    for (row, column, name), item in selected.times.items():
+        cells[row, column] = [item.measurement.benchmark]
+        if not math.isnan(item.value):
+            exact = Estimate(item.value, math.nan, math.nan, 0)
+            values[row, column, name] = scaled(exact, paper.metrics[name].factor)
     gaps: dict[str, Estimate] = {}
     if any(paper.metrics[name].logged == "psnr" for column in table.columns for name in column.metrics):
         for group in _groups(table):
-            cells = [runs for (row, _), runs in selected.cells.items() if row in group]
-            gap = _gap(cells, tables)
+            gap = _gap([runs for (row, _), runs in selected.cells.items() if row in group], tables)
             if gap is not None:
                 gaps["/".join(table.rows[group[0]].labels) if table.compare == "row" else "PSNR"] = gap
     return Filled(
         table=table,
         settings=selected.settings,
-        runs=selected.cells,
+        runs=cells,
         values=values,
         left_out=selected.left_out,
         gaps=gaps,
+        measured=describe(selected.times.values()),
     )
 
 
@@ -114,12 +130,7 @@ def _gap(cells: Sequence[list[Run]], tables: ClipTables) -> Estimate | None:
 
 
 def _selections(table: PublishedTable, rows: Sequence[int]) -> dict[Place, Selection]:
-    return {
-        (row, index): {**table.base, **select, **column.select}
-        for row in rows
-        for index, column in enumerate(table.columns)
-        if column.select is not None and (select := table.rows[row].select) is not None
-    }
+    return {place: selection for place, selection in table.selections.items() if place[0] in rows}
 
 
 def ranks(values: Mapping[Place, float], metric: Metric) -> dict[Place, Style]:
