@@ -20,11 +20,16 @@ def prepare_process() -> None:
     warnings.filterwarnings("ignore", category=UserWarning, module=r"lightning\..*")
     warnings.filterwarnings("ignore", category=FutureWarning)
     warnings.formatwarning = _format_warning
+    silence_libraries()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+def silence_libraries() -> None:
+    """Let libraries log errors only; to be repeated after Lightning is imported, which sets its own level then."""
     for library in ("lightning.pytorch", "lightning.fabric", "mlflow", "alembic"):
         logging.getLogger(library).setLevel(logging.ERROR)
     # It logs a stack trace of each error that it raises.
     logging.getLogger("mlflow.store.db.utils").setLevel(logging.CRITICAL)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 _format_library_warning = warnings.formatwarning

@@ -117,6 +117,22 @@ def test_a_wrong_flag_is_one_sentence(words, sentence, command):
     assert sentence in answer.text
 
 
+PARTS = [
+    ("train", ["+model/extract=learned"], "+model/extract=learned cannot be used"),
+    ("train", ["model._target_=a.b"], "model._target_=a.b cannot be used (Error loading 'a.b')"),
+    ("evaluate", ["--multi", "model.initialise._target_=0*"], "model.initialise._target_=0* cannot be used"),
+    ("count", ["model._target_=\\"], "model._target_=\\ cannot be used"),
+]
+
+
+@pytest.mark.parametrize(("name", "words", "sentence"), PARTS, ids=lambda value: str(value)[:30])
+def test_a_part_that_cannot_be_made_is_one_sentence(name, words, sentence, command, tmp_path):
+    answer = command(name, *words, f"paths.root={tmp_path}", "data=smoke", "scene=atrium")
+    assert answer.status == 2
+    assert f"\nerror: {sentence}" in f"\n{answer.text}"
+    assert "Traceback" not in answer.text
+
+
 def test_row_37_a_path_needs_no_second_quotes(command, row, tmp_path):
     answer = command("evaluate", "checkpoint=out/epoch=9-step=99.ckpt", f"paths.root={tmp_path}")
     assert answer.status == 2

@@ -176,6 +176,17 @@ def test_normal_scale_flattens_slopes(tmp_path: Path) -> None:
     np.testing.assert_allclose(made.normal[0, 0] / 127.5 - 1.0, flat / np.linalg.norm(flat), atol=0.01)
 
 
+def test_a_transform_beyond_float32_is_noted(tmp_path: Path) -> None:
+    file = Builder()
+    info = {"index": file.texture(CHECKS), "extensions": {"KHR_texture_transform": {"scale": [3e38, 1]}}}
+    material = file.material(pbrMetallicRoughness={"baseColorTexture": info})
+    file.node(mesh=file.square(material, TEXCOORD_0=file.accessor(np.array(SQUARE_UV) * 9.0)))
+    with pytest.warns(UserWarning, match="not finite"):
+        mesh = load_gltf(file.glb(tmp_path / "a.glb")).meshes[0]
+    assert np.isfinite(mesh.uv).all()
+    assert mesh.uv[:, 1].max() == 9.0
+
+
 def test_textures_read_their_set_and_their_transform(tmp_path: Path) -> None:
     """The extension's own example, which shows the lower left quadrant, on the second set of coordinates."""
     file = Builder()

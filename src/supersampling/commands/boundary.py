@@ -19,7 +19,7 @@ from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBase
 from supersampling.commands.explanation import explanation, owners, raised_by_libraries, reason_of
 from supersampling.config import composed, key_of, overrides_of, typed_overrides
 from supersampling.errors import UserError, find_user_error
-from supersampling.process import prepare_process
+from supersampling.process import prepare_process, silence_libraries
 from supersampling.training.numbers import check_numbers
 
 
@@ -63,6 +63,10 @@ def _check_parts(cfg: DictConfig, command: str) -> None:
         raise UserError(f"--config-name={name} has no {keys}, which {command}.py reads: add {command} to its defaults.")
 
 
+_REJECTIONS = (TypeError, ValueError, ImportError, type(None))
+"""Causes of a part that cannot be made: a setting that a class does not take, or a ``_target_`` that does not exist."""
+
+
 def explain(error: BaseException) -> UserError | None:
     """Return the mistake of the user that made a part of a command fail: a setting that was deleted or added, or
     whose value a class does not take. None if the error is ours.
@@ -72,7 +76,7 @@ def explain(error: BaseException) -> UserError | None:
     if isinstance(error, (ConfigAttributeError, ConfigKeyError)) and f"~{key}" in (_deleted(word) for word in typed):
         return UserError(f"~{key} deletes a setting that the command needs: leave it out.")
     # Without a cause it is Hydra's own complaint.
-    if isinstance(error, InstantiationException) and isinstance(error.__cause__, (TypeError, ValueError, type(None))):
+    if isinstance(error, InstantiationException) and isinstance(error.__cause__, _REJECTIONS):
         return _rejected_settings(error, typed)
     return None
 
@@ -95,9 +99,8 @@ def _rejected_settings(error: InstantiationException, typed: list[str]) -> UserE
 
 
 def _changes_inside(word: str, node: str) -> bool:
-    """Return whether a word sets or deletes a setting inside of a part, or deletes one of its slots."""
-    key = key_of(word).replace("/", ".") if word.startswith("~") else key_of(word)
-    return key.startswith(f"{node}.")
+    """Return whether a word sets or deletes a setting or a slot inside of a part."""
+    return key_of(word).replace("/", ".").startswith(f"{node}.")
 
 
 class SweepCheck(Callback):
@@ -152,7 +155,7 @@ def _check_training(cfg: DictConfig, parts: set[str]) -> None:
     """Check how a job is trained, each way once."""
     from supersampling.training.check import check_training  # with torch and Lightning, which --help does not need
 
-    prepare_process()  # Lightning sets the level of its messages when it is imported
+    silence_libraries()
     text = "".join(OmegaConf.to_yaml(cfg[key], resolve=True) for key in ("trainer", "budget", "optimizer"))
     if text not in parts:
         parts.add(text)

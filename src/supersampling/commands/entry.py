@@ -26,7 +26,7 @@ from supersampling.commands.quoting import quote_text
 from supersampling.commands.resolvers import register
 from supersampling.config import VERSION_BASE
 from supersampling.errors import UserError, chain, find_time_limit, find_user_error, was_interrupted
-from supersampling.process import prepare_process
+from supersampling.process import prepare_process, silence_libraries
 from supersampling.resources import VARIABLE, resources
 
 USER_ERROR_STATUS = 2
@@ -168,7 +168,9 @@ def application(name: str) -> Callable[[], Any]:
         def command(cfg: DictConfig) -> object:
             check_configuration(cfg, name)
             # Imported here so that --help is quick.
-            return getattr(import_module(f"supersampling.commands.{name}"), name)(cfg)
+            function = getattr(import_module(f"supersampling.commands.{name}"), name)
+            silence_libraries()
+            return function(cfg)
 
         run(command, cfg)
 

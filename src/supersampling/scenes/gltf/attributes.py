@@ -83,10 +83,7 @@ class AttributeReader:
         if index is None:
             return None
         values = self._displaced(name, self._select(name, index, *widths))
-        if not np.isfinite(values).all():
-            self._notes.add(Deviation.NOT_FINITE)
-            values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
-        return values
+        return finite(values, self._notes)
 
     def _displaced(self, name: str, values: Floats) -> Floats:
         """Return the attribute plus its weighted displacements: those of tangents have three components."""
@@ -107,6 +104,14 @@ class AttributeReader:
                 f"{name} of {self._what} has {len(values)} elements for {self._count} vertices: export it again."
             )
         return values[self._rows]
+
+
+def finite(values: Floats, notes: Notes) -> Floats:
+    """Return the values with 0 in place of those that are not finite, which is noted."""
+    if np.isfinite(values).all():
+        return values
+    notes.add(Deviation.NOT_FINITE)
+    return np.nan_to_num(values, posinf=0.0, neginf=0.0)
 
 
 def unit(vectors: Floats) -> Floats:

@@ -34,7 +34,8 @@ class Coordinates:
             return uv
         c, s = np.cos(self.rotation), np.sin(self.rotation)
         matrix = np.array([[c, s], [-s, c]]) * np.array(self.scale)
-        return (uv @ matrix.T + np.array(self.offset)).astype(np.float32)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return (uv @ matrix.T + np.array(self.offset)).astype(np.float32)
 
 
 def coordinates(info: Any) -> Coordinates:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from supersampling.errors import UserError
 from supersampling.scenes.gltf.accessors import Accessors
-from supersampling.scenes.gltf.attributes import AttributeReader, unit
+from supersampling.scenes.gltf.attributes import AttributeReader, finite, unit
 from supersampling.scenes.gltf.document import Document
 from supersampling.scenes.gltf.features import Deviation
 from supersampling.scenes.gltf.materials import MaterialReader
@@ -97,7 +97,8 @@ class MeshReader:
             self._accessors, self._notes, attributes=attributes, targets=targets, rows=vertices.rows, what=source
         )
         material, coordinates, sampler = self._materials.number(primitive.material)
-        uv = sampler.apply(coordinates.apply(reader.uv(coordinates)))
+        # A transform can be too large for float32.
+        uv = finite(sampler.apply(coordinates.apply(reader.uv(coordinates))), self._notes)
         shape = Geometry(reader.positions(), reader.normals(), reader.tangents(), vertices.triangles)
         if joints is not None:
             shape = deform(shape, reader.skin(), joints)
