@@ -36,7 +36,7 @@ CASES = [
     ),
     (("train", "experiment=enss", "model/accumulate=none"), "Model enss_m has no slot accumulate"),
     (("train", "model/frobnicate=none"), "Model dlctus has no slot frobnicate: use one of its own slots"),
-    (("train", "model=nsr"), "Unknown option model=nsr: use bicubic, dlctus"),
+    (("train", "model=nsr"), "Unknown option model=nsr: use bicubic, bilinear"),
     (("train", "model/reproject=bilinear,cubic"), "Unknown option model/reproject=cubic: use bicubic5"),
     (("train", "experiment=enss_table3/raftt"), "enss_table3=raftt: use baseline"),
     (("train", "loss=l1", "loss.theta=0.5"), "loss=l1 has no setting theta: set loss=spatiotemporal"),

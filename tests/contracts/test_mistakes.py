@@ -31,6 +31,7 @@ CASES = {
     "value out of range": (["loss.theta=1.5"], "loss.theta=1.5"),
     "value of another type": (["budget.batch=many"], "budget.batch=many"),
     "scale out of range": (["task.scale=9"], "task.scale=9"),
+    "scale of the model alone": (["model.scale=2"], "model.scale=2 differs from task.scale=4: set task.scale"),
     "data set of another scale": (["task.scale=2"], "scale 4, but task.scale=2"),
     "too small a window": (["budget.crop=512"], "budget.crop=512"),
     "unreachable server": (["tracking_uri=http://127.0.0.1:9"], "127.0.0.1:9"),

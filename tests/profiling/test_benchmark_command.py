@@ -111,7 +111,7 @@ def test_methods_by_name(inside):
     assert composed.name == "nsrr reweight=none"
     assert composed.model["previous"] == 2
     assert composed.architecture != nsrr.architecture
-    with pytest.raises(UserError, match=r"Unknown method dlss in methods: use bicubic, dlctus"):
+    with pytest.raises(UserError, match=r"Unknown method dlss in methods: use bicubic, bilinear"):
         subjects_by_name(["dlss"], [4])
 
 

@@ -19,9 +19,10 @@ GROUPS = ("task", "data", "model", "loss", "optimizer", "pick", "augment", "budg
 
 
 def check_training(cfg: DictConfig) -> None:
-    """Raise `UserError` for a group without an option, or for a number, optimizer, schedule, device or argument of
-    Lightning that no training can have."""
+    """Raise `UserError` for a group without an option, another scale than the task's, or for a number, optimizer,
+    schedule, device or argument of Lightning that no training can have."""
     check_groups(cfg)
+    check_scale(cfg)
     check_numbers(cfg)
     check_trainer(cfg)
     check_schedule(cfg)
@@ -61,6 +62,15 @@ def check_groups(cfg: DictConfig) -> None:
         value = OmegaConf.select(cfg, group)
         if not OmegaConf.is_dict(value):
             raise UserError(f"Invalid {group}={value}: use {group}=OPTION, one of {', '.join(group_options(group))}.")
+
+
+def check_scale(cfg: DictConfig) -> None:
+    """Raise `UserError` if the model upsamples by another factor than the task: the data would not fit its output."""
+    scale = OmegaConf.select(cfg, "model.scale")
+    if scale is not None and scale != cfg.task.scale:
+        raise UserError(
+            f"model.scale={scale} differs from task.scale={cfg.task.scale}: set task.scale, which the model follows."
+        )
 
 
 def check_schedule(cfg: DictConfig) -> None:
