@@ -196,7 +196,7 @@ MISTAKES = [
     ("seed=0,1", "seed=0,1 holds several values: add -m to run a job for each"),
     ("seed=range(0,3)", "seed=range(0,3) runs several jobs: add -m."),
     ("seed = 1", "seed = 1 is no setting: write key=value, without spaces around the equals sign."),
-    ("model", "model is no setting: write model=OPTION, one of bicubic, dlctus"),
+    ("model", "model is no setting: write model=OPTION, one of bicubic, bilinear"),
     ("dlctus", "dlctus is no setting: write model=dlctus"),
     ("model:dlctus", "model:dlctus is no setting: write model=dlctus."),
     ("", "An empty word is no setting"),
