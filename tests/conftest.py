@@ -1,5 +1,6 @@
 """Fixtures shared by all tests: pinned threads, and an analytic clip with a closed-form reference."""
 
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -140,7 +141,12 @@ def command(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) 
         out, err = capfd.readouterr()
         return Answer(status, out, err)
 
+    # Hydra gives the root logger handlers that write to this test's captured output.
+    root = logging.getLogger()
+    level, handlers = root.level, root.handlers[:]
     yield call
+    root.setLevel(level)
+    root.handlers[:] = handlers
     GlobalHydra.instance().clear()
     HydraConfig.instance().cfg = None
 

@@ -1,6 +1,5 @@
 """Command lines: every flag of Hydra in every command, paths with any characters, and one sentence per mistake."""
 
-import logging
 import re
 import shlex
 from pathlib import Path
@@ -12,17 +11,6 @@ from answers import ROOT
 from supersampling.commands.entry import COMMANDS
 from supersampling.commands.quoting import quote_text
 from supersampling.scenes.load import installed_scenes
-
-
-@pytest.fixture(autouse=True)
-def _quiet_logging():
-    """Take back what ``--info`` does to the loggers of this process: it prints each configuration from then on."""
-    root = logging.getLogger()
-    level, handlers = root.level, root.handlers[:]
-    yield
-    root.setLevel(level)
-    root.handlers[:] = handlers
-
 
 SHOWN = [
     ("--cfg", "job"),
