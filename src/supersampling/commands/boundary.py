@@ -30,6 +30,9 @@ def check_configuration(cfg: DictConfig, command: str) -> None:
     try:
         check_numbers(cfg)
         OmegaConf.resolve(cfg.copy())
+        missing = sorted(OmegaConf.missing_keys(cfg))
+        if missing:
+            raise UserError(f"{missing[0]} has no value (???): set it to one.")
     except RecursionError as error:
         raise UserError("The settings refer to each other in a circle: set one of them to a value.") from error
     except OmegaConfBaseException as error:
