@@ -109,6 +109,7 @@ PARTS = [
     ("train", ["+model/extract=learned"], "+model/extract=learned cannot be used"),
     ("train", ["model._target_=a.b"], "model._target_=a.b cannot be used (Error loading 'a.b')"),
     ("evaluate", ["--multi", "model.initialise._target_=0*"], "model.initialise._target_=0* cannot be used"),
+    ("train", ["loss={_target_:os.getcwd}"], "loss={_target_:os.getcwd} cannot be used"),
     ("advise", ["++protocol._target_=???"], "protocol._target_ has no value (???): set it to one."),
     ("count", ["model._target_=\\"], "model._target_=\\ cannot be used"),
 ]

@@ -102,8 +102,9 @@ def _rejected_settings(error: InstantiationException, typed: list[str]) -> UserE
 
 
 def _changes_inside(word: str, node: str) -> bool:
-    """Return whether a word sets or deletes a setting or a slot inside of a part."""
-    return key_of(word).replace("/", ".").startswith(f"{node}.")
+    """Return whether a word sets or deletes a setting or a slot inside of a part, or sets all of it, ``{...}``."""
+    key = key_of(word).replace("/", ".")
+    return key.startswith(f"{node}.") or (key == node and word.partition("=")[2].startswith("{"))
 
 
 class SweepCheck(Callback):
