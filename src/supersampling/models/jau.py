@@ -1,6 +1,7 @@
 """JAU: jitter-aligned upsampling of the current frame only (Swensen 2021, 4.1.1)."""
 
-from typing import final
+from abc import ABC
+from typing import Literal, final
 
 from torch import Tensor
 
@@ -9,32 +10,31 @@ from supersampling.models.base import Upsampler
 from supersampling.ops.resample import check_scale, jitter_aligned_upsample
 
 
+class JitterAligned(Upsampler[None], ABC):
+    """Upsampling that keeps every sample at the position where it was taken."""
+
+    requires = frozenset({"color", "jitter"})
+    mode: Literal["bilinear", "bicubic"]
+
+    def __init__(self, scale: int) -> None:
+        super().__init__()
+        self.scale = check_scale(scale)
+
+    def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
+        color, jitter = frame.need("color", "jitter")
+        # Interpolation of values in [0, 1] may leave the range: bilinear by a rounding step, bicubic by its overshoot.
+        return jitter_aligned_upsample(color, jitter, self.scale, mode=self.mode).clamp(0.0, 1.0), None
+
+
 @final
-class JAU(Upsampler[None]):
+class JAU(JitterAligned):
     """Bilinear upsampling that keeps every sample at the position where it was taken."""
 
-    requires = frozenset({"color", "jitter"})
-
-    def __init__(self, scale: int) -> None:
-        super().__init__()
-        self.scale = check_scale(scale)
-
-    def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        color, jitter = frame.need("color", "jitter")
-        # Interpolation of values in [0, 1] may leave the range by a rounding step.
-        return jitter_aligned_upsample(color, jitter, self.scale).clamp(0.0, 1.0), None
+    mode = "bilinear"
 
 
 @final
-class BicubicJAU(Upsampler[None]):
+class BicubicJAU(JitterAligned):
     """JAU with bicubic interpolation (``a = -0.75``), which the thesis's figure 4 compares with the bilinear one."""
 
-    requires = frozenset({"color", "jitter"})
-
-    def __init__(self, scale: int) -> None:
-        super().__init__()
-        self.scale = check_scale(scale)
-
-    def forward(self, frame: Frame, state: None) -> tuple[Tensor, None]:
-        color, jitter = frame.need("color", "jitter")
-        return jitter_aligned_upsample(color, jitter, self.scale, mode="bicubic").clamp(0.0, 1.0), None
+    mode = "bicubic"

@@ -46,9 +46,10 @@ class Exchange:
 
     def load_weights(self, model: Upsampler, checkpoint: Path, source: str) -> None:
         """Load the weights of a checkpoint; raises `UserError` unless all fit the model by name and shape."""
-        there = trained_state(checkpoint)
-        here = model.state_dict()
-        shapes = {name: (_shape(there, name), _shape(here, name)) for name in [*here, *(there.keys() - here.keys())]}
+        trained = trained_state(checkpoint)
+        exchanged = model.state_dict()
+        names = [*exchanged, *(trained.keys() - exchanged.keys())]
+        shapes = {name: (_shape(trained, name), _shape(exchanged, name)) for name in names}
         differing = [(name, *pair) for name, pair in shapes.items() if pair[0] != pair[1]]
         if differing:
             name, first, second = differing[0]
@@ -57,7 +58,7 @@ class Exchange:
                 f"{' '.join(self.words)} does not fit the weights of {source}: {name} is {first} there and {second} in "
                 f"the exchanged model{more}: train that model, or exchange a stage that has the same weights."
             )
-        model.load_state_dict(there)
+        model.load_state_dict(trained)
 
     def parameters(self, cfg: DictConfig, training: Mapping[str, Any]) -> dict[str, Any]:
         """Return the parameters of a training with those of the exchanged entries in place of its own."""
